@@ -34,12 +34,14 @@ CHANGES = {
     "stiffness": ("k", 0.03, 0.10),
     "damping": ("c", 0.3, 1.0),
     "gain": ("gain", 0.02, 0.05),
+    "play": ("play", 1e-3, 4e-3),  # m to each side
 }
 NAMES = {
     "friction": ("mu", "friction"),
     "stiffness": ("parameter k", "spring on x"),
     "damping": ("parameter c", "damping on x"),
     "gain": ("gain in channel f",),
+    "play": ("play in the spring on x",),
 }
 """The names that are right; of a gain of the input and of the sensor a linear machine shows the
 ratio, dry friction tells them apart."""
@@ -112,7 +114,7 @@ def changed(change: Drawn | None) -> dict[str, float]:
     if change is None:
         return GOOD
     key = CHANGES[change.kind][0]
-    return {**GOOD, key: GOOD[key] * (1 + change.share)}
+    return {**GOOD, key: GOOD[key] * (1 + change.share) or change.share}
 
 
 def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], float]:

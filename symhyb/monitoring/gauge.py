@@ -15,7 +15,7 @@ from symhyb.data.thin import thinned
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import cut_within
-from symhyb.discrepancy.words.amounts import quantity_text
+from symhyb.discrepancy.words.amounts import quantity_text, small_text
 from symhyb.discrepancy.words.wording import joined
 from symhyb.errors import InputError, Problem
 from symhyb.model.closed import require_open
@@ -23,6 +23,7 @@ from symhyb.model.types import Model, Parameter
 from symhyb.model.vocabulary import force_unit, key_of
 from symhyb.monitoring.changes import Block, Causes, Reference
 from symhyb.monitoring.events import Amount
+from symhyb.monitoring.play import is_play, play_of, play_phrase, plays
 from symhyb.numeric.kernels.buffers import Array
 
 WINDOWS_BLOCK = 1.25  # that a block lasts at least: its ends belong to no window
@@ -61,7 +62,7 @@ def gauge_of(model: Model, reference: Recording) -> Gauge:
     if claimed := [fault for fault in prepared.faults if fault.claimed]:
         cure = joined([fault.sentence for fault in claimed])
         raise InputError(Problem(f"{cure}: put that right before the machine is watched"))
-    setting = settle(prepared)
+    setting = settle(prepared, besides=plays(prepared.model))
     stage = setting.stages[min(1, len(setting.stages) - 1)]
     problem = along_motion(setting, stage)
     gone = {second for _, second in with_twins(indistinguishable(problem), exact_twins(setting))}
@@ -113,6 +114,8 @@ def amounts_of(gauge: Gauge, cause: int, size: Array, sd: Array) -> tuple[Amount
         return (
             Amount(one.path, float(size[0]) / unit.factor, float(sd[0]) / unit.factor, unit.text),
         )
+    if is_play(one):
+        return (play_of(model, one, float(size[0]), float(sd[0])),)
     rows = []
     for key, value, spread in zip(one.terms, size, sd, strict=False):
         # amplitudes of sine and cosine are terms that the model file has no keys for
@@ -142,12 +145,18 @@ def values_of(gauge: Gauge, reference: Reference, blocks: Sequence[Block]) -> tu
     return tuple(rows)
 
 
+def phrase_of(cause: Hypothesis) -> str:
+    """Name a cause without its numbers."""
+    return play_phrase(cause) if is_play(cause) else cause_phrase(cause)
+
+
 def change_phrase(gauge: Gauge, cause: int, amounts: Sequence[Amount]) -> str:
     """A change of a cause in words, with its size."""
     one = gauge.hypotheses[cause]
-    by = joined([quantity_text(a.value, a.unit, a.sd) for a in amounts])
+    text = small_text if is_play(one) else quantity_text
+    by = joined([text(a.value, a.unit, a.sd) for a in amounts])
     if one.place is not None:
-        return f"{cause_phrase(one)} by {by}"
+        return f"{phrase_of(one)} by {by}"
     item = _declared(gauge.prepared.model, one.path)
     stated = quantity_text(item.value, item.unit.text)
     return f"{cause_phrase(one)} by {by} (the model says {stated})"

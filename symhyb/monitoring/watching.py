@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from symhyb.correction.naming.findings import cause_phrase
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.words.amounts import percent_text, quantity_text
 from symhyb.discrepancy.words.wording import joined
@@ -30,6 +29,7 @@ from symhyb.monitoring.gauge import (
     amounts_of,
     block_of,
     change_phrase,
+    phrase_of,
     values_of,
 )
 
@@ -199,7 +199,7 @@ def _event(
     since = blocks[change.since].start_s
     amounts = amounts_of(gauge, change.cause, change.size, change.sd)
     what = change_phrase(gauge, change.cause, amounts)
-    rivals = tuple(cause_phrase(gauge.hypotheses[i]) for i in change.rivals[:RIVALS_SAID])
+    rivals = tuple(phrase_of(gauge.hypotheses[i]) for i in change.rivals[:RIVALS_SAID])
     likely = f"{percent_text(change.probability)} likely"
     open_ = f"; or {joined(rivals, 'or')}" if rivals else ""
     lead = "Something has changed" if kind == "changed" else "What has changed"
@@ -209,7 +209,7 @@ def _event(
         said,
         now_s,
         since,
-        cause_phrase(gauge.hypotheses[change.cause]),
+        phrase_of(gauge.hypotheses[change.cause]),
         amounts,
         change.probability,
         change.chance,

@@ -139,10 +139,15 @@ def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
 
 
-def settle(prepared: Prepared, own: Sequence[str] | Own = (), more: Sequence[On] = ()) -> Setting:
-    """Lower all hypotheses, also at ``more`` places, and make windows of growing lengths; ``own``
-    names what each recording has its own value of, or maps it to the grouping of those that share
-    one.
+def settle(
+    prepared: Prepared,
+    own: Sequence[str] | Own = (),
+    more: Sequence[On] = (),
+    besides: Sequence[Hypothesis] = (),
+) -> Setting:
+    """Lower all hypotheses, also at ``more`` places and ``besides`` those of the list, and make
+    windows of growing lengths; ``own`` names what each recording has its own value of, or maps it
+    to the grouping of those that share one.
 
     Raises:
         InputError: ``own`` names neither a parameter of the model nor a key of a law.
@@ -151,7 +156,8 @@ def settle(prepared: Prepared, own: Sequence[str] | Own = (), more: Sequence[On]
     check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
     places = (*places_of(model), *more)
-    causes = library(model, places, owning(model, laws_at(prepared, places), own))
+    laws = owning(model, laws_at(prepared, places), own)
+    causes = library(model, places, (*laws, *besides))
     parametric = owning(model, parametric_hypotheses(model), own)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in parametric))
     sag = _sag(prepared)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.naming.findings import cause_phrase
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.ends import END_KNOTS
 from symhyb.discrepancy.recorded.runs import Run
@@ -23,7 +22,7 @@ from symhyb.judgement import ACCURACY, FEW, OUTSTANDING, SIGNIFICANT
 from symhyb.model.vocabulary import KINDS
 from symhyb.monitoring.begun import Begun
 from symhyb.monitoring.changes import EXCEEDED, LENGTHS, TILTS
-from symhyb.monitoring.gauge import Gauge, amounts_of
+from symhyb.monitoring.gauge import Gauge, amounts_of, phrase_of
 from symhyb.monitoring.watching import NAMED_BLOCKS, NAMED_S, RIVALS_SAID
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.between import FINER
@@ -146,7 +145,7 @@ def constants_of(begun: Begun) -> Constants:
         "PRICE": gauge.causes.price,
         **_reference(begun),
     }
-    causes = tuple(map(cause_phrase, gauge.hypotheses))
+    causes = tuple(map(phrase_of, gauge.hypotheses))
     return Constants(
         sizes, numbers, integers, arrays, steep, motion, causes, _amounts(gauge, gauge.hypotheses)
     )

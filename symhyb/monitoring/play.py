@@ -1,0 +1,59 @@
+"""Play in a spring of the model, as a cause that a watch holds against a block.
+
+A spring with play p to each side exerts −k (s − p sgn s) where it is stretched further than that.
+It lacks k p sgn s of what the model says, to first order in p: one column of unit p.
+"""
+
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.words.formula import LAW
+from symhyb.model.scope import numbers_of
+from symhyb.model.trees import evaluate
+from symhyb.model.types import Model, On, place_text
+from symhyb.model.vocabulary import stretch_unit
+from symhyb.monitoring.events import Amount
+
+
+def plays(model: Model) -> tuple[Hypothesis, ...]:
+    """Play in the springs at each place of the model whose stiffness is a number above 0. Springs
+    between points have none: their formula would need the distance."""
+    places = {
+        one.place: f"sign({one.place.expression.text})"
+        for one in model.elements
+        if one.kind == "spring" and isinstance(one.place, On) and stiffness_at(model, one.place) > 0
+    }
+    return tuple(
+        Hypothesis(LAW, place, ("coefficient",), (False,), path=formula)
+        for place, formula in places.items()
+    )
+
+
+def stiffness_at(model: Model, place: On) -> float:
+    """The linear stiffness, SI, of all springs at a place; 0 where it changes with the motion."""
+    total = 0.0
+    for one in model.elements:
+        if one.kind == "spring" and one.place == place and (text := one.value("stiffness")):
+            try:
+                total += float(evaluate(text, numbers_of(model, one), model.characteristics()))
+            except KeyError:
+                return 0.0
+    return total
+
+
+def is_play(cause: Hypothesis) -> bool:
+    """Whether a cause of a watch is play: no other is a formula."""
+    return cause.kind == LAW
+
+
+def play_of(model: Model, cause: Hypothesis, size: float, sd: float) -> Amount:
+    """The clearance to each side, in the unit of the model file, that a change of the coefficient
+    by ``size`` with deviation ``sd``, SI, is."""
+    assert isinstance(cause.place, On)
+    unit = stretch_unit(model, cause.place)
+    force = stiffness_at(model, cause.place) * unit.factor
+    return Amount("clearance", -size / force, sd / force, unit.text)
+
+
+def play_phrase(cause: Hypothesis) -> str:
+    """Name such a cause: ``play in the spring on x``."""
+    assert cause.place is not None
+    return f"play in the spring {place_text(cause.place)}"
