@@ -161,8 +161,9 @@ class Law:
     of a law of a pair, which has a ``coupling``: what two stretches do to each other.
     ``steep`` laws need finer steps near reversals, ``stiff`` ones an implicit method; ``dry`` is
     friction that can hold still, ``smoothed_over`` the key that says over which speed it turns
-    over. ``switch`` says as what an exact simulation treats its corner:
-    a friction that *holds*, or a stop that *touches*. ``weighs``: gravity acts on its mass.
+    over (where that is fitted, the law is bent). ``switch`` says as what an exact simulation treats
+    its corner: a friction that *holds*, or a stop that *touches*. ``weighs``: gravity acts on its
+    mass.
 
     ``candidates`` are the shapes that are tried at a place, ``variants`` what is tried where one of
     them was found. ``at_rest``: candidates also where nothing moves.

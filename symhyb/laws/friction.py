@@ -7,6 +7,10 @@ The law that is fitted rises over a transition instead of jumping:
 so its peak stays below ``static``, where dry friction reaches it. A fit makes up for that by a
 higher level and a shorter Stribeck speed. Both are known no better than the smoothing allows.
 
+Where friction turns over within a wide band, as a lubricated contact does below its full level, the
+transition is a number of the machine and is fitted: far below it the force is viscous damping of
+coulomb/transition, far beyond it dry friction.
+
 The level may grow with a load, by load_coefficient·|load|: in gears, belts, brakes and wheels what
 slides is pressed by the force that is carried. It may change with the place, by slope·(s − around),
 to nothing at the least: a guide is tight at one end.
@@ -42,6 +46,8 @@ from symhyb.units import parse_unit
 SPEED_SCALE = 1.0  # m/s (rad/s …), where no recording tells how fast the machine moves
 DEFAULT_TRANSITION = 1e-4  # of the speed scale
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
+WIDE_SHARES = (0.05, 0.2)  # of the largest rate: a transition that is fitted
+WIDEST = 1.0  # of the largest rate: beyond, the level was never seen, and it is a damper
 LOADED = 0.5  # of the level of dry friction: what a load has of it at first
 SLOPED = 0.5  # of the level: what it changes by at first over the RMS of the stretch
 SPEEDS = np.linspace(0.01, 20.0, 4000)  # in transitions, where the peak is looked for
@@ -64,15 +70,34 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
     for share in STRIBECK_SHARES:
         shape = (("stribeck", share * reach.speed), *width)
         yield Candidate(("coulomb", "static"), (True, True), shape, ("stribeck",), order=SHAPED)
+    for share in WIDE_SHARES:
+        wide = (("transition", share * reach.speed),)
+        bounds = (("transition", reach.narrow * reach.speed, WIDEST * reach.speed),)
+        yield Candidate(("coulomb",), (True,), wide, ("transition",), bounds=bounds, order=SHAPED)
 
 
 def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
     """Friction a part of which grows with what presses at the place, with each load that the
-    machine knows there; friction whose level changes along the travel."""
+    machine knows there; friction that turns over within a wider band; friction whose level changes
+    along the travel."""
     if "load_coefficient" not in added:
         yield from _loaded(row, row["coulomb"], pace)
+    if "transition" not in row and "static" not in row:
+        yield from _wide(row, pace)
     if "slope" not in added:
         yield from _along(row, pace)
+
+
+def _wide(row: Row, pace: Pace) -> Iterator[Variant]:
+    """Friction that turns over between the narrow transition and the largest rate."""
+    if not 0 < pace.turning < pace.fastest:
+        return
+    for share in WIDE_SHARES:
+        yield Variant(
+            {**row, "transition": share * pace.fastest},
+            ("transition",),
+            bounds=(("transition", pace.turning, WIDEST * pace.fastest),),
+        )
 
 
 def _along(row: Row, pace: Pace) -> Iterator[Variant]:
@@ -123,16 +148,20 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
     levels, terms = level_phrase(n)
     listed = ", ".join(part for part in (levels, directions(n, "coulomb")) if part)
     head = f"{noun} of {n.amount('coulomb')}" + (f" ({listed})" if listed else "")
+    does = []
     if "slope" in n:
         length = parse_unit(n.unit("coulomb")) / parse_unit(n.unit("slope"))
-        at = options.get("around", f"0 {length.text}")
-        head += f" at {at} that changes by {n.amount('slope')} along the travel"
+        head += f" at {options.get('around', f'0 {length.text}')}"
+        does.append(f"changes by {n.amount('slope')} along the travel")
+    if "transition" in n:
+        does.append(f"turns over within {n.amount('transition')} of rest")
     if "load_coefficient" in n:
         share = n.counted(n.value("load_coefficient"), n.sd("load_coefficient"))
         load = f" {options['load']}" if "load" in options else ""
-        grown = f"grows by {share} of the load{load}"
-        head += f" and {grown}" if "slope" in n else f" that {grown}"
-    return Phrase(head, terms=("coulomb", *terms, "slope", "load_coefficient"), resists="motion")
+        does.append(f"grows by {share} of the load{load}")
+    head += f" that {n.listed(does)}" if does else ""
+    shapes = ("transition", "slope", "load_coefficient")
+    return Phrase(head, terms=("coulomb", *terms, *shapes), resists="motion")
 
 
 def _formula(keys: Collection[str], _: Options) -> str:
@@ -148,9 +177,11 @@ def _formula(keys: Collection[str], _: Options) -> str:
 
 def widened(values: Fitted) -> dict[str, tuple[float, float]]:
     """Values and deviations with those of ``static`` and ``stribeck`` widened by what the peak
-    lacks and by the transition."""
+    lacks and by the transition, unless that is fitted too."""
     wide = dict(values)
     if not {"coulomb", "static", "stribeck", "transition"} <= wide.keys():
+        return wide
+    if np.isfinite(wide["transition"][1]):
         return wide
     coulomb, static, stribeck, width = (
         wide[key][0] for key in ("coulomb", "static", "stribeck", "transition")
@@ -179,6 +210,7 @@ LAW = Law(
             "unset: 1e-4 of the scale of the speed",
             divides=True,
             symbol="v_t",
+            noun="transition of dry friction",
             label="transition speed",
         ),
         ASYMMETRY,

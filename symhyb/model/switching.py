@@ -2,12 +2,13 @@
 
 Exact simulation (:mod:`symhyb.exact.events`) turns friction on a coordinate or between points,
 every side of a gap, and every jump that a model file writes (:mod:`symhyb.model.jumps`) into an
-automaton. Other laws with a corner stay what they are.
+automaton. Other laws with a corner stay what they are, and so does friction that turns over
+gradually: a transition that states an ``sd`` is a number of the machine, and smooths nothing.
 """
 
 from dataclasses import dataclass
 
-from symhyb.model.expression import Expression, Node, Operation
+from symhyb.model.expression import Expression, Node, Operation, names
 from symhyb.model.types import At, Element, Model, On
 from symhyb.model.vocabulary import KINDS
 
@@ -48,8 +49,18 @@ def rubbing(model: Model) -> tuple[int, ...]:
     return tuple(
         i
         for i, element in enumerate(model.elements)
-        if _rubs(element) and not isinstance(element.place, At)
+        if _rubs(model, element) and not isinstance(element.place, At)
     )
+
+
+def gradual(model: Model, element: Element) -> bool:
+    """Whether the speed within which the friction of an element turns over is a number of the
+    machine: what its transition names states an ``sd``."""
+    text = element.value(KINDS[element.kind].smoothed_over)
+    if text is None:
+        return False
+    known = {one.name: one.sd for one in (*model.parameters, *element.parameters)}
+    return any(known.get(one.name) is not None for one in names(text))
 
 
 def modes(model: Model) -> tuple[tuple[str, int], ...]:
@@ -69,9 +80,11 @@ def left_smooth(model: Model) -> tuple[str, ...]:
     said = []
     for element in model.elements:
         name = f"elements.{element.name}"
-        if _rubs(element) and isinstance(element.place, At):
+        if KINDS[element.kind].switch == "holds" and gradual(model, element):
+            said.append(f"{name} turns over gradually, by a transition with an sd: it stays so")
+        elif _rubs(model, element) and isinstance(element.place, At):
             said.append(f"{name} acts at a point, in two directions: it stays smoothed")
-        elif _rubs(element) and not _holds(model, element):
+        elif _rubs(model, element) and not _holds(model, element):
             said.append(
                 f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
             )
@@ -94,12 +107,12 @@ def switching_word(expression: Expression) -> str:
     return "where(...)" if "where" in expression.text else "sign(...)"
 
 
-def _rubs(element: Element) -> bool:
-    return KINDS[element.kind].switch == "holds"
+def _rubs(model: Model, element: Element) -> bool:
+    return KINDS[element.kind].switch == "holds" and not gradual(model, element)
 
 
 def _holds(model: Model, element: Element) -> bool:
-    if not _rubs(element) or isinstance(element.place, At):
+    if not _rubs(model, element) or isinstance(element.place, At):
         return False
     if not isinstance(element.place, On):
         return True

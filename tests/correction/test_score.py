@@ -30,7 +30,24 @@ X = On("x")
 DAMPER = Hypothesis("damper", X, ("damping",), (True,))
 SKEWED = Hypothesis("damper", X, ("damping", "skew"), (True, False))
 SAME_COLUMN = (("spring", "stiffness"), ("added_mass", "mass"))
-POWER = Hypothesis("power", X, ("coefficient",), (True,), (("exponent", 1.5),), ("exponent",))
+POWER = Hypothesis(
+    "power",
+    X,
+    ("coefficient",),
+    (True,),
+    (("exponent", 1.5),),
+    ("exponent",),
+    bounds=(("exponent", 0.2, 3.0),),
+)
+WIDE = Hypothesis(
+    "friction",
+    X,
+    ("coulomb",),
+    (True,),
+    (("transition", 0.1),),
+    ("transition",),
+    bounds=(("transition", 1e-3, 1.0),),
+)
 FRICTION = Hypothesis("friction", X, ("coulomb", "static"), (True, True))
 UNSURE = model_of(
     coordinates={"x": {"unit": "m"}},
@@ -89,13 +106,34 @@ def test_a_law_that_bends_between_two_costs_the_choice_of_both() -> None:
 
 @pytest.mark.parametrize(
     ("exponent", "said"),
-    [(1.02, False), (0.98, False), (2.029, False), (0.21, False), (1.5, True), (0.9, True)],
+    [
+        (1.02, False),
+        (0.98, False),
+        (2.029, False),
+        (0.21, False),
+        (2.98, False),
+        (1.5, True),
+        (0.9, True),
+    ],
 )
 def test_a_power_that_another_law_says_too_is_not_believed(exponent: float, said: bool) -> None:
     one = trial(POWER, values=(1.0, exponent), sd=1e-2)
     assert weak(one) == (() if said else (0,))
     assert believable(one) == said
     assert price(trial(), 30) == 0
+
+
+@pytest.mark.parametrize(
+    ("transition", "said"), [(2e-3, False), (0.03, False), (0.04, True), (0.9, True), (0.98, False)]
+)
+def test_friction_between_dry_and_viscous_is_believed_where_it_is_neither(
+    transition: float, said: bool
+) -> None:
+    """Its transition stands three deviations off both: at the narrow one it is dry friction, at the
+    largest speed a damper."""
+    one = trial(WIDE, values=(1.0, transition), sd=1e-2)
+    assert weak(one) == (() if said else (0,))
+    assert believable(one) == said
 
 
 def test_a_parameter_that_states_its_sd_pays_its_prior_up_to_what_a_law_costs() -> None:

@@ -29,9 +29,10 @@ CUBE, JUMP = (
     law("law", "coefficient", X, "x'**3"),
     law("law", "coefficient", X, "x*tanh(x'/transition)"),
 )
+WIDE = Hypothesis("friction", X, ("coulomb",), (True,), (("transition", 0.1),), ("transition",))
 NUMBER = Hypothesis("parameter", None, ("value",), (True,), path="d")
 BENT = Hypothesis("power", X, ("coefficient",), (True,), (("exponent", 1.5),), ("exponent",))
-KNOWN = (DRAG, DAMPER, SPRING, FRICTION, ELSEWHERE, CUBE, JUMP, NUMBER, BENT)
+KNOWN = (DRAG, DAMPER, SPRING, FRICTION, ELSEWHERE, CUBE, JUMP, WIDE, NUMBER, BENT)
 LAST = len(KNOWN) - 1
 
 
@@ -76,7 +77,7 @@ def test_two_smooth_laws_of_the_speed_may_be_one(
     assert rows == [{"stiffness": 2.0}, {"coefficient": 3.0, "exponent": 1.5}]
 
 
-@pytest.mark.parametrize("other", [SPRING, FRICTION, ELSEWHERE, JUMP])
+@pytest.mark.parametrize("other", [SPRING, FRICTION, ELSEWHERE, JUMP, WIDE])
 def test_one_of_them_beside_something_else_stays(
     other: Hypothesis, monkeypatch: pytest.MonkeyPatch
 ) -> None:

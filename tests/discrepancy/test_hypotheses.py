@@ -18,7 +18,7 @@ from symhyb.discrepancy.places.hypotheses import (
     with_channels,
 )
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.laws.friction import STRIBECK_SHARES
+from symhyb.laws.friction import STRIBECK_SHARES, WIDE_SHARES
 from symhyb.laws.reach import TRANSITION_SHARE, Reach
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Model, On, Place
@@ -106,9 +106,12 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
 
 def test_friction_scales_with_the_speed_of_its_place() -> None:
     all_tried = force_hypotheses(cart_pole(), {On("x"): reach(0.5)})
-    tried = [h for h in all_tried if h.kind == "friction"]
+    tried = [h for h in all_tried if h.kind == "friction" and not h.bent]
     speed = reach(0.5).speed
     assert speed == pytest.approx(0.5, rel=1e-3)
+    wide = [h for h in all_tried if h.kind == "friction" and h.bent]
+    assert [h.shape for h in wide] == [(("transition", speed * s),) for s in WIDE_SHARES]
+    assert [h.limits("transition") for h in wide] == [(TRANSITION_SHARE * speed, speed)] * 2
     assert [dict(h.shape)["transition"] for h in tried] == [TRANSITION_SHARE * speed] * 3
     assert [dict(h.shape)["stribeck"] for h in tried[1:]] == [speed * s for s in STRIBECK_SHARES]
     assert [h.refined for h in tried] == [(), ("stribeck",), ("stribeck",)]

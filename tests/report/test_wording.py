@@ -123,8 +123,8 @@ DAMPING = Estimate("b", 203.5, 1.34, "N*s/m", "damping")
             On("x"),
             [COULOMB, Estimate("v", 0.0123, 0.0021, "m/s", "transition")],
             0.871,
-            "On x, dry (Coulomb) friction of 20.4 ± 0.2 N resists the motion, with transition "
-            "speed 0.012 ± 0.002 m/s; without it 87 % of the squared error on unseen data comes "
+            "On x, dry (Coulomb) friction of 20.4 ± 0.2 N that turns over within 0.012 ± 0.002 m/s "
+            "of rest resists the motion; without it 87 % of the squared error on unseen data comes "
             "back.",
         ),
         (
@@ -211,6 +211,32 @@ def test_effect_is_said_from_its_numbers(
     kind: str, place: Place, estimates: list[Estimate], share: float | None, sentence: str
 ) -> None:
     assert effect_sentence(kind, place, estimates, share) == sentence
+
+
+LEVEL = Estimate("T_c", 0.5, 0.001, "N*m", "coulomb")
+TRANSITION = Estimate("v_t", 0.2, 0.01, "rad/s", "transition")
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ([], " that turns over within 0.200 ± 0.010 rad/s of rest"),
+        (
+            [Estimate("mu", 0.1, 0.01, "1", "load_coefficient")],
+            " that turns over within 0.200 ± 0.010 rad/s of rest and grows by 0.100 ± 0.010 of the "
+            "load",
+        ),
+        (
+            [Estimate("g_s", 0.3, 0.01, "N*m/rad", "slope")],
+            " at 0 rad that changes by 0.300 ± 0.010 N·m/rad along the travel and turns over within"
+            " 0.200 ± 0.010 rad/s of rest",
+        ),
+    ],
+)
+def test_a_transition_that_was_fitted_is_said(more: list[Estimate], said: str) -> None:
+    sentence = effect_sentence("friction", On("phi"), [LEVEL, TRANSITION, *more], None)
+    head = "On phi, dry (Coulomb) friction torque of 0.5000 ± 0.0010 N·m"
+    assert sentence == f"{head}{said} resists the rotation."
 
 
 def test_effect_without_numbers_keeps_its_name() -> None:

@@ -25,7 +25,7 @@ def candidates(setting: Setting) -> Library:
     transitions = {
         cause.place.coordinate: dict(cause.shape)["transition"]
         for cause in setting.hypotheses
-        if cause.kind == "friction" and isinstance(cause.place, On)
+        if cause.kind == "friction" and not cause.bent and isinstance(cause.place, On)
     }
     model = setting.windows.machine.model
     return product_library(model, products(model, transitions))

@@ -166,11 +166,13 @@ def weak(trial: Refined) -> tuple[int, ...]:
 
 def _listed(trial: Refined, which: int, first: int) -> bool:
     """Whether a key of a cause, whose numbers begin at ``first``, does not stand out of a value at
-    which another law of the list says the same: a power of 1.02 ± 0.01 is viscous damping."""
+    which another law of the list says the same: a power of 1.02 ± 0.01 is viscous damping; or of a
+    bound of a law that bends between simpler ones, where it is one of these."""
     cause, values = trial.causes[which], grouped(trial)[which]
+    ends = {key: two for key, *two in cause.bounds} if cause.bent else {}
     for key, path in zip(list(values)[: cause.numbers], trial.paths[first:], strict=False):
         declared = key_of(cause.kind, key)
-        for same in declared.listed if declared else ():
+        for same in (*(declared.listed if declared else ()), *ends.get(key, ())):
             if abs(values[key] - same) <= OUTSTANDING * trial.value(path)[1]:
                 return True
     return False

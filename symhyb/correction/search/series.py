@@ -48,6 +48,8 @@ def _law(trials: Trials, cause: Hypothesis) -> Hypothesis | None:
 
 
 def _holds(law: Hypothesis, place: Place | None) -> bool:
-    """Whether a law is a smooth function of the speed of a place alone."""
+    """Whether a law may be a term of a series: a smooth function of the speed of a place alone,
+    and no bent one, which is a sum of them by itself."""
     formula = law.kind == LAW and STEPS not in law.path
-    return law.place == place and quantities(law) == RATE and (formula or smooth(law))
+    plain = smooth(law) and not law.bent
+    return law.place == place and quantities(law) == RATE and (formula or plain)

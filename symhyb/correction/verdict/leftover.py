@@ -30,7 +30,7 @@ REPORTED = 5
 def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
     """Sentences on what would take a part of the remainder on held windows, largest first."""
     taken = {cause.family for cause in selected.causes}
-    varied = [cause for cause in selected.causes if cause.added]
+    varied = [cause for cause in selected.causes if cause.added or cause.bent]
     parts: dict[str, float] = {}
     laws = _laws(setting)
     model = WindowModel(

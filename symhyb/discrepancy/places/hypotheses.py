@@ -118,9 +118,10 @@ class Hypothesis:
 
     @property
     def bent(self) -> bool:
-        """Whether its law takes on shapes between those of simpler ones."""
+        """Whether its law takes on shapes between those of simpler ones, as friction does between
+        dry and viscous where the speed within which it turns over is fitted."""
         law = KINDS.get(self.kind)
-        return law is not None and law.bent
+        return law is not None and (law.bent or law.smoothed_over in self.refined)
 
     @property
     def several(self) -> bool:

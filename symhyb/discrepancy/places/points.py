@@ -52,7 +52,7 @@ def point_hypotheses(
         if speed <= 0:
             continue
         reach = Reach(_NONE, np.array([float(speed)]), _NONE, _NONE, narrow=narrow)
-        found += [h for h in in_order(laws, place, reach) if not h.variant]
+        found += [h for h in in_order(laws, place, reach) if not (h.variant or h.bent)]
     return tuple(found)
 
 

@@ -49,4 +49,4 @@ def smooth(cause: Hypothesis) -> bool:
     """Whether a force with a name is a smooth function of them: without memory, without a jump,
     which no smooth force has."""
     named = cause.kind != LAW and not cause.points
-    return named and memoryless(cause) and not KINDS[cause.kind].steep
+    return named and memoryless(cause) and (cause.bent or not KINDS[cause.kind].steep)

@@ -13,6 +13,7 @@ from symhyb.imports.names import identifier
 from symhyb.imports.robot import STRAIGHT, Joint, Robot
 from symhyb.model.expression import Expression, evaluate
 from symhyb.model.scope import numbers_of
+from symhyb.model.switching import gradual
 from symhyb.model.types import Element, Model, On
 
 PLAIN = {"damper": "damping", "friction": "coulomb", "added_mass": "mass"}
@@ -44,6 +45,8 @@ def losses_of(model: Model, robot: Robot) -> tuple[tuple[Losses, ...], tuple[str
         for element in on:
             if _is_plain(element):
                 sizes[element.kind] += _size(model, element, element.value(PLAIN[element.kind]))
+                if gradual(model, element):
+                    more.append(f"{_said(model, element)}: that it turns over gradually")
             elif element.found or element.kind not in PUSHED:
                 more.append(_said(model, element))
         found.append(

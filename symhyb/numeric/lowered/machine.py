@@ -15,7 +15,7 @@ import numpy as np
 from symhyb.asked import asked
 from symhyb.model.closed import require_open
 from symhyb.model.delays import shared_delays
-from symhyb.model.switching import frictions
+from symhyb.model.switching import frictions, gradual
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
@@ -348,7 +348,8 @@ def _pathways(low: "Lowered", n: int) -> list[ca.SX]:
 
 def structure_of(model: Model) -> str:
     """All that the functions of a model depend on, as text: everything but the values of
-    parameters, and what is said about things."""
+    parameters, and what is said about things. Whether friction switches depends on what has an
+    ``sd`` (:func:`symhyb.model.switching.gradual`)."""
     parts = (
         [(c.name, c.imposed) for c in model.coordinates],
         [(s.name, s.rate.tree, s.si_start, s.next and s.next.tree) for s in model.states],
@@ -363,6 +364,7 @@ def structure_of(model: Model) -> str:
         ],
         model.characteristics(),
         [e.given() for e in model.elements],
+        [e.name for e in model.elements if gradual(model, e)],
         model.energy,
         model.gravity,
         model.local,

@@ -156,6 +156,26 @@ def test_an_mjcf_states_the_rotor_too(tmp_path: Path) -> None:
     assert "an MJCF has no place for: found_drag" in done.text
 
 
+@pytest.mark.parametrize(("format", "name"), [("urdf", "a URDF"), ("mjcf", "an MJCF")])
+def test_friction_that_turns_over_gradually_has_its_level_and_a_comment(
+    format: str, name: str, tmp_path: Path
+) -> None:
+    path = tmp_path / ("arm.urdf" if format == "urdf" else "arm.xml")
+    path.write_text(ARM if format == "urdf" else MJCF)
+    wide = FOUND.replace('coulomb = "F"', 'coulomb = "F"\ntransition = "v_t"').replace(
+        "F = {", 'v_t = { value = 0.25, SD unit = "rad/s" }\nF = {'
+    )
+    for sd, said in (("sd = 0.01,", 1), ("", 0)):
+        done = rewritten(corrected(path, wide.replace("SD", sd)), path, format)
+        out = tmp_path / f"new{path.suffix}"
+        out.write_text(done.text)
+        joints = {joint.name: joint for joint in read_robot(out).joints}
+        assert joints["shoulder"].friction == 3.25
+        comment = f"{name} has no place for: found_friction, friction (v_t = 0.25 rad/s, F = 3.25"
+        assert done.text.count(comment) == said
+        assert done.text.count("that it turns over gradually") == said
+
+
 def test_what_actuators_have_stays_at_them(tmp_path: Path) -> None:
     """MuJoCo 4 states the damping and the rotor of a motor at the motor."""
     path = tmp_path / "arm.xml"
