@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.fleet.population import Array
+from symhyb.fleet.means import Array
 from symhyb.judgement import FEWEST
 from symhyb.tasks.fitting import Fitted
 from symhyb.tasks.folder import Entry
@@ -23,14 +23,14 @@ WIDE = 1e3  # times the spread of all values: the deviation of a number that was
 @dataclass(frozen=True, slots=True, eq=False)
 class Member:
     """One unit: its ``tasks`` by name, the fits they left, and the ``conditions`` (R, C − 1) under
-    which they were recorded, in the units of the study; ``peers`` (R, G − 1) say of which of G
-    groups of peers each recording is: 1 in the column of its group, −1 in all for the last one."""
+    which they were recorded, in the units of the study; ``peers`` (R, G) say of which of G groups
+    of peers each recording is, by 1 in its column."""
 
     name: str
     tasks: tuple[str, ...]
     fits: tuple[Fitted, ...]
     conditions: Array
-    peers: Array = field(default_factory=lambda: np.zeros((1, 0)))
+    peers: Array = field(default_factory=lambda: np.ones((1, 1)))
 
     @property
     def left(self) -> float:
@@ -79,14 +79,14 @@ def members_of(
     if problems:
         raise InputError(_in_short(problems))
     groups = list(dict.fromkeys(group for rows in chosen.values() for _, _, group in rows))
-    coded = np.vstack([np.eye(len(groups) - 1), -np.ones(len(groups) - 1)])
+    column = dict(zip(groups, np.eye(len(groups)), strict=True))
     return tuple(
         Member(
             name,
             tuple(one.entry.name for one, _, _ in rows),
             tuple(one.fitted for one, _, _ in rows if one.fitted is not None),
             np.array([stated for _, stated, _ in rows], dtype=np.float64).reshape(len(rows), -1),
-            coded[[groups.index(group) for _, _, group in rows]],
+            np.array([column[group] for _, _, group in rows]),
         )
         for name, rows in chosen.items()
     )
