@@ -36,6 +36,7 @@ from scipy.stats import false_discovery_control, t
 from symhyb.fleet.begun import begun, determined, of_majorities
 from symhyb.fleet.means import Array, Unit
 from symhyb.fleet.population import Population, chosen_population, with_spreads_of
+from symhyb.fleet.uneven import scales_of
 from symhyb.judgement import CLOSE, FEWEST, NEAR_NOISE, PROBABLE, SIGNIFICANT
 
 ROUNDS = 20  # of leaving out and taking back
@@ -118,7 +119,9 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         corrected = false_discovery_control(np.clip(raw, 0.0, 1.0))
         by_numbers, by_rest = corrected[:count], corrected[count:]
         alike = np.minimum(by_numbers, by_rest) > 1.0 - PROBABLE
-        now, disputed = of_majorities(alike, np.minimum(*raw.reshape(2, -1)), groups)
+        near = np.minimum(*raw.reshape(2, -1))
+        now, _ = of_majorities(alike, near, groups)
+        _, disputed = of_majorities(alike & kept, near, groups)  # or alike in turns
         if int(now.sum()) < least or now.tobytes() in seen or not determined(x[now]):
             break
         kept = now
@@ -130,25 +133,38 @@ def _deviations(
     found: Population, kept: Mask, units: Sequence[Unit], freedom: int
 ) -> tuple[Deviation, ...]:
     """The deviation of every unit, those ``kept`` (N,) being in the population; recordings differ
-    by as much as the numerics err, at least."""
+    by as much as the numerics err, at least, and by that part the scatter of groups need not be
+    known (Satterthwaite, Biometrics Bulletin 2, 1946)."""
     spread = np.diag(found.within if any(len(one.y) > 1 for one in units) else found.between)
+    scales, samples = scales_of(found, kept, units)
     counted = []
-    for one in units:
-        lacking = np.maximum(one.numerics**2 - spread, 0.0)
-        wider = lacking[:, :, None] * np.eye(len(spread))
-        counted.append(replace(one, s=one.s + wider) if lacking.any() else one)
+    for i, one in enumerate(units):
+        lacking = np.maximum(one.numerics**2 / scales[i] - spread, 0.0)
+        if lacking.any():
+            scattered = spread + np.diagonal(one.s, axis1=1, axis2=2)
+            samples[i] /= np.max(scattered / (scattered + lacking)) ** 2
+            one = replace(one, s=one.s + lacking[:, :, None] * np.eye(len(spread)))
+        counted.append(one)
     population = with_spreads_of(
         found, [one for one, use in zip(counted, kept, strict=True) if use]
     )
     return tuple(
-        deviation(population, one, bool(use), freedom - int(use))
-        for one, use in zip(counted, kept, strict=True)
+        deviation(population, one, bool(use), freedom - int(use), float(scale), float(known))
+        for one, use, scale, known in zip(counted, kept, scales, samples, strict=True)
     )
 
 
-def deviation(found: Population, unit: Unit, inside: bool, freedom: int) -> Deviation:
+def deviation(
+    found: Population,
+    unit: Unit,
+    inside: bool,
+    freedom: int,
+    scale: float = 1.0,
+    samples: float = np.inf,
+) -> Deviation:
     """By how much one unit is off a population, from which it is taken out if it is ``inside``;
-    ``freedom`` are degrees of freedom of the spread, 0 if it is not judged."""
+    ``freedom`` are degrees of freedom of the spread, 0 if it is not judged. Its group has
+    ``scale`` times the variances of all, which is known as from so many ``samples``."""
     size = unit.y.shape[1]
     variance, (rest, error) = found.variance(unit), found.rest(unit)
     z = np.tile(np.eye(size), (len(unit.y), 1))
@@ -160,16 +176,16 @@ def deviation(found: Population, unit: Unit, inside: bool, freedom: int) -> Devi
     else:
         weighed = np.linalg.solve(variance + error, z)
         inverse, right = z.T @ weighed, weighed.T @ rest
-    spread = np.linalg.inv(inverse)
-    shift = spread @ right
+    shift = np.asarray(np.linalg.solve(inverse, right))
+    inverse = inverse / scale
+    spread = np.asarray(np.linalg.inv(inverse))
     square = float(shift @ inverse @ shift)
-    together, alone = 1.0, 1.0
-    if freedom - size + 1 > 0:
-        together = float(
-            fdtrc(size, freedom - size + 1, square * (freedom - size + 1) / (freedom * size))
-        )
+    together, alone, left = 1.0, 1.0, freedom - size + 1
+    if left > 0:
+        known = 1 / (1 / left + 1 / samples)
+        together = float(fdtrc(size, known, square * left / (freedom * size)))
         single = np.abs(inverse @ shift) / np.sqrt(np.diag(inverse))
-        alone = size * 2 * float(t.sf(single.max(), freedom))
+        alone = size * 2 * float(t.sf(single.max(), 1 / (1 / freedom + 1 / samples)))
     return Deviation(shift, spread, square, min(1.0, 2 * min(together, alone)))
 
 

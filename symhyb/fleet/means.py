@@ -28,13 +28,15 @@ class Unit:
     """The estimates of one unit: ``y`` (R, K) with covariances ``s`` (R, K, K), and conditions
     ``x`` (R, P + 1), the first of which is 1; ``peers`` (R, G) are 1 in the column of the group of
     each recording, which is one of all where they are not stated. ``numerics`` (R, K) is what the
-    numerics of each fit may err by, one standard deviation. Numbers in any one scale."""
+    numerics of each fit may err by, one standard deviation; ``effects`` (T,) are 1 for values of
+    groupings that it has, dimensionless. Numbers in any one scale."""
 
     y: Array
     s: Array
     x: Array
     peers: Array = field(default_factory=lambda: np.ones((1, 1)))
     numerics: Array = field(default_factory=lambda: np.zeros((1, 1)))
+    effects: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def groups(self) -> Array:

@@ -34,7 +34,7 @@ def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) 
         s = s * (1 + ROUNDING * np.eye(s.shape[1]))
         x = np.column_stack([np.ones(len(values)), member.conditions - centre])
         numerics = ACCURACY * np.where(by_factor, 1.0, np.abs(values))
-        found.append(Unit(y, s, x, member.peers, numerics))
+        found.append(Unit(y, s, x, member.peers, numerics, member.effects))
     return found
 
 
