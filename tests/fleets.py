@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symhyb.fleet.population import Array, Unit
+from symhyb.fleet.means import Array, Unit
 
 NAMES = ("k", "d", "laser.gain")
 UNITS = ("N/m", "N*s/m", "1")

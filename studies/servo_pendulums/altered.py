@@ -1,14 +1,14 @@
 """Twenty runs altered by hand among those of a study: does the fleet name them, and no others?
 
-python studies/servo_pendulums/altered.py OUT FITS [EVERY [WITHOUT [SEED]]]
-symhyb run OUT/ladder.toml -o out --workers 1          # weight and friction
-symhyb run OUT/gain.toml -o gains --workers 1          # the gain
-symhyb fleet out --among mount,trajectory,gain
+python studies/servo_pendulums/altered.py OUT FITS SEED
+symhyb run OUT/ladder.toml -o FITS --resume            # weight and friction; only the twenty
+symhyb run OUT/gain.toml -o GAINS --resume             # the gain
+symhyb fleet FITS --among mount,trajectory,gain
 
-FITS is what symhyb run left of the ladder of the runs as they are; EVERY and WITHOUT as of runs.py.
+FITS and GAINS are what symhyb run left of the ladder and of the gains of the runs as they are, or
+copies of them. What is not altered is found there by its content.
 
-Of mounts and trajectories in turn one run of the half that nothing was developed on is altered, or
-with a SEED any that are drawn of that half:
+Of the runs in FITS that nothing was developed on twenty are drawn:
 
 mass      the stated weight is the next one of the four, what the arm carries stays
 gain      the stated gain is 1/1.03 of what the controller has
@@ -31,9 +31,9 @@ from pathlib import Path
 import numpy as np
 from falls import FOLDER, folder_of_runs
 from numpy.typing import NDArray
-from runs import PER_RAD, STEPS, Run, asked, chosen, read_runs, restated, write_runs
+from runs import PER_RAD, STEPS, Run, read_runs, restated, write_runs
 
-from symhyb.tasks.outcome import read_outcomes
+from symhyb.tasks.outcome import NOT_RUN, read_outcomes
 
 MORE_GAIN, MORE_FRICTION = 1.03, 1.5
 COUNT = 20
@@ -91,21 +91,11 @@ def with_friction(run: Run, numbers: Mapping[str, float]) -> Run:
     return replace(run, q=run.q + moved, duty=np.clip(run.duty + made, -1.0, 1.0))
 
 
-def picked(runs: Sequence[Run], seed: int | None = None) -> dict[int, str]:
-    """The runs to be altered, by their number, with the kind: of mounts, trajectories and gains
-    in turn the first run of the half of the figures, then second ones; with a ``seed`` any of
-    them."""
-    cells: dict[tuple[float, float, str, float], list[Run]] = {}
-    for one in runs:
-        if one.half == 1:
-            cells.setdefault((one.mass, one.length, one.trajectory, one.kp), []).append(one)
-    every = [cells[key] for key in sorted(cells)]
-    some = [part[0] for part in every[:: max(len(every) // COUNT, 1)]]
-    some += [part[1] for part in every if len(part) > 1]
-    if seed is not None:
-        whole = [one for part in every for one in part]
-        some = [whole[i] for i in np.random.default_rng(seed).permutation(len(whole))]
-    return {one.run: KINDS[i % len(KINDS)] for i, one in enumerate(some[:COUNT])}
+def picked(runs: Sequence[Run], seed: int) -> dict[int, str]:
+    """The runs to be altered, by their number, with the kind: drawn of the half of the figures."""
+    half = sorted((one for one in runs if one.half == 1), key=lambda one: one.run)
+    some = np.random.default_rng(seed).permutation(len(half))[:COUNT]
+    return {half[place].run: KINDS[i % len(KINDS)] for i, place in enumerate(some)}
 
 
 def next_weight(mass: float, weights: Sequence[float]) -> float:
@@ -142,9 +132,12 @@ def main() -> None:
     folder, out = folder_of_runs(), Path(sys.argv[1])
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
-    runs = chosen(read_runs(folder), *asked(sys.argv[3:5]))
-    seed = int(sys.argv[5]) if len(sys.argv) > 5 else None
-    numbers, kinds = fitted_numbers(Path(sys.argv[2])), picked(runs, seed)
+    fits, seed = Path(sys.argv[2]), int(sys.argv[3])
+    numbers = fitted_numbers(fits)
+    tasks = [one for one in read_outcomes(fits).tasks if one.state != NOT_RUN]
+    names = {dict(one.entry.settings)["recordings"] for one in tasks}
+    runs = [one for one in read_runs(folder) if one.name in names]
+    kinds = picked([one for one in runs if one.name in numbers], seed)
     weights = sorted({one.mass for one in runs})
     changed = [
         altered(one, kinds[one.run], weights, numbers[one.name]) if one.run in kinds else one

@@ -5,7 +5,13 @@ The deviation of a unit from the population is estimated with the population tha
     d = (Zᵀ W⁻¹ Z)⁻¹ Zᵀ W⁻¹ (y − X β),    W = V + X cov(β) Xᵀ,    T² = dᵀ cov(d)⁻¹ d
 
 and T² (ν − K + 1)/(ν K) is distributed as F with K and ν − K + 1 degrees of freedom (Hotelling,
-Annals of Mathematical Statistics 2, 1931), ν = N − C. Where one number alone is off, its own
+Annals of Mathematical Statistics 2, 1931), ν = N − C. A unit that counts for β is taken out of it
+(Cook & Weisberg, Residuals and Influence in Regression, 1982): with its rest e = y − X β and
+H = X cov(β) Xᵀ as they are with it, W⁻¹ = V⁻¹ (V − H) V⁻¹ and W⁻¹ (y − X β) = V⁻¹ e without it, so
+that nothing is known of one that alone determines what is expected of it. No number is compared
+more closely than the numerics of fits allow: recordings count as differing by that, at least.
+
+Where one number alone is off, its own
 deviation, the others being as they should, is more powerful, z_k = (cov⁻¹ d)_k/√(cov⁻¹)_kk. The
 probability of a unit is the smaller of both kinds, twice (Bonferroni). Those of all units are
 judged together, so that of the units that are named one of twenty is expected to be wrong (false
@@ -18,20 +24,24 @@ the set whose T² is lowest, with a price for each number.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 from scipy.special import fdtrc
 from scipy.stats import false_discovery_control, t
 
-from symhyb.fleet.population import Array, Population, Unit, chosen_population
+from symhyb.fleet.begun import begun, determined, of_majorities
+from symhyb.fleet.means import Array, Unit
+from symhyb.fleet.population import Population, chosen_population, with_spreads_of
+from symhyb.fleet.uneven import scales_of
 from symhyb.judgement import CLOSE, FEWEST, NEAR_NOISE, PROBABLE, SIGNIFICANT
 
 ROUNDS = 20  # of leaving out and taking back
 TOGETHER = 3  # numbers of one reason at most, beyond as many as there are where they are few
-NORMAL = 1.4826  # of a median deviation: the standard deviation of normal errors
+UNKNOWN = 1e-8  # of the information of its own fit: what a unit says of itself beside no others
 
 Mask = NDArray[np.bool_]
 
@@ -65,7 +75,8 @@ class Judged:
     """The ``population`` of the units that are ``kept`` (N,), the deviation of every unit, and
     probabilities after correction for their number: of its numbers, and of what its fit leaves
     (N,). ``usual`` (N,) is what fits of the others leave under the same conditions, χ² per sample.
-    ``tested`` is whether there are enough units to say who deviates."""
+    ``tested`` is whether there are enough units to say who deviates, and ``disputed`` (N,) are
+    those of groups of peers of which no more than half are alike, so that none is named."""
 
     population: Population
     kept: Mask
@@ -74,6 +85,7 @@ class Judged:
     by_rest: Array
     usual: Array
     tested: bool
+    disputed: Mask
 
     def structure(self, at: int) -> bool:
         """Whether what the fit of a unit leaves is more than others leave."""
@@ -87,64 +99,101 @@ class Judged:
 def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
     """Judge all units of a fleet: ``left`` (N,) is χ² per sample of what the fit of each leaves,
     ``freedom`` (N,) how many independent samples that is from."""
-    size, conditions = units[0].y.shape[1], units[0].x.shape[1]
-    count = len(units)
-    least = conditions + size - 1 + FEWEST
+    size, count = units[0].y.shape[1], len(units)
+    x = np.array([one.columns for one in units])
+    least = x.shape[1] + size - 1 + FEWEST
     if count < least + 1:
         everyone, sure = np.ones(count, dtype=bool), np.ones(count)
         found = chosen_population(units)
-        off = tuple(deviation(found, one, everyone, units, 0) for one in range(count))
-        return Judged(found, everyone, off, sure, sure, left, False)
-    kept, x = begun(units, left), np.array([one.x.mean(axis=0) for one in units])
+        off = _deviations(found, everyone, units, 0)
+        return Judged(found, everyone, off, sure, sure, left, False, ~everyone)
+    groups = np.array([one.groups.any(axis=0) for one in units])
+    kept, disputed = begun(units, left), np.zeros(count, dtype=bool)
     seen: list[bytes] = []
     for _ in range(ROUNDS):
         seen.append(kept.tobytes())
         found = chosen_population([one for one, use in zip(units, kept, strict=True) if use])
-        freed = int(kept.sum()) - conditions
-        off = tuple(deviation(found, one, kept, units, freed) for one in range(count))
+        off = _deviations(found, kept, units, int(kept.sum()) - x.shape[1])
         rest, usual = _of_rest(left, freedom, kept, x)
         raw = np.concatenate([[one.probability for one in off], rest])
         corrected = false_discovery_control(np.clip(raw, 0.0, 1.0))
         by_numbers, by_rest = corrected[:count], corrected[count:]
-        now = np.minimum(by_numbers, by_rest) > 1.0 - PROBABLE
-        if int(now.sum()) < least or now.tobytes() in seen or not _determined(units, now):
+        alike = np.minimum(by_numbers, by_rest) > 1.0 - PROBABLE
+        near = np.minimum(*raw.reshape(2, -1))
+        now, _ = of_majorities(alike, near, groups)
+        _, disputed = of_majorities(alike & kept, near, groups)  # or alike in turns
+        if int(now.sum()) < least or now.tobytes() in seen or not determined(x[now]):
             break
         kept = now
-    return Judged(found, kept, off, by_numbers, by_rest, usual, True)
+    by_numbers, by_rest = (np.where(disputed, 1.0, one) for one in (by_numbers, by_rest))
+    return Judged(found, kept, off, by_numbers, by_rest, usual, True, disputed)
+
+
+def _deviations(
+    found: Population, kept: Mask, units: Sequence[Unit], freedom: int
+) -> tuple[Deviation, ...]:
+    """The deviation of every unit, those ``kept`` (N,) being in the population; recordings differ
+    by as much as the numerics err, at least, and by that part the scatter of groups need not be
+    known (Satterthwaite, Biometrics Bulletin 2, 1946)."""
+    spread = np.diag(found.within if any(len(one.y) > 1 for one in units) else found.between)
+    scales, samples = scales_of(found, kept, units)
+    counted = []
+    for i, one in enumerate(units):
+        lacking = np.maximum(one.numerics**2 / scales[i] - spread, 0.0)
+        if lacking.any():
+            scattered = spread + np.diagonal(one.s, axis1=1, axis2=2)
+            samples[i] /= np.max(scattered / (scattered + lacking)) ** 2
+            one = replace(one, s=one.s + lacking[:, :, None] * np.eye(len(spread)))
+        counted.append(one)
+    population = with_spreads_of(
+        found, [one for one, use in zip(counted, kept, strict=True) if use]
+    )
+    return tuple(
+        deviation(population, one, bool(use), freedom - int(use), float(scale), float(known))
+        for one, use, scale, known in zip(counted, kept, scales, samples, strict=True)
+    )
 
 
 def deviation(
-    found: Population, at: int, kept: Mask, units: Sequence[Unit], freedom: int
+    found: Population,
+    unit: Unit,
+    inside: bool,
+    freedom: int,
+    scale: float = 1.0,
+    samples: float = np.inf,
 ) -> Deviation:
-    """By how much one unit is off a population, from which it is taken out if it is ``kept`` (N,),
-    dimensionless, in it; ``freedom`` are degrees of freedom of the spread, 0 if it is not
-    judged."""
-    unit = units[at]
+    """By how much one unit is off a population, from which it is taken out if it is ``inside``;
+    ``freedom`` are degrees of freedom of the spread, 0 if it is not judged. Its group has
+    ``scale`` times the variances of all, which is known as from so many ``samples``."""
     size = unit.y.shape[1]
-    variance, x = found.variance(unit), unit.design
-    gram = np.linalg.inv(found.covariance)
-    right = gram @ found.beta.ravel()
-    if kept[at] and kept.sum() > 1:
-        weighed = np.linalg.solve(variance, x)
-        gram = gram - x.T @ weighed
-        right = right - weighed.T @ unit.y.ravel()
-    covariance = np.linalg.pinv(gram, hermitian=True)
-    rest = unit.y.ravel() - x @ (covariance @ right)
+    variance, (rest, error) = found.variance(unit), found.rest(unit)
     z = np.tile(np.eye(size), (len(unit.y), 1))
-    weighed = np.linalg.solve(variance + x @ covariance @ x.T, z)
-    inverse = z.T @ weighed
-    spread = np.linalg.inv(inverse)
-    shift = spread @ (weighed.T @ rest)
+    if inside:
+        own = np.linalg.solve(variance, z)
+        inverse, right = own.T @ (variance - error) @ own, own.T @ rest
+        if _unknown(inverse, z.T @ own):
+            return Deviation(np.zeros(size), np.linalg.inv(z.T @ own), 0.0, 1.0)
+    else:
+        weighed = np.linalg.solve(variance + error, z)
+        inverse, right = z.T @ weighed, weighed.T @ rest
+    shift = np.asarray(np.linalg.solve(inverse, right))
+    inverse = inverse / scale
+    spread = np.asarray(np.linalg.inv(inverse))
     square = float(shift @ inverse @ shift)
-    whole = freedom - int(kept[at])
-    together, alone = 1.0, 1.0
-    if whole - size + 1 > 0:
-        together = float(
-            fdtrc(size, whole - size + 1, square * (whole - size + 1) / (whole * size))
-        )
+    together, alone, left = 1.0, 1.0, freedom - size + 1
+    if left > 0:
+        known = 1 / (1 / left + 1 / samples)
+        together = float(fdtrc(size, known, square * left / (freedom * size)))
         single = np.abs(inverse @ shift) / np.sqrt(np.diag(inverse))
-        alone = size * 2 * float(t.sf(single.max(), whole))
+        alone = size * 2 * float(t.sf(single.max(), 1 / (1 / freedom + 1 / samples)))
     return Deviation(shift, spread, square, min(1.0, 2 * min(together, alone)))
+
+
+def _unknown(inverse: Array, own: Array) -> bool:
+    """Whether the others say nothing of some number of a unit: its information on the deviation
+    (K, K) beside that of its ``own`` fit (K, K)."""
+    scale = np.sqrt(np.outer(np.diag(own), np.diag(own)))
+    return bool(eigh(inverse / scale, own / scale, eigvals_only=True)[0] < UNKNOWN)
 
 
 def shifted(one: Deviation) -> Shifted:
@@ -167,43 +216,6 @@ def shifted(one: Deviation) -> Shifted:
         if places != best and len(places) == len(best) and other < left + CLOSE
     ]
     return Shifted(best, by, sd, left, tuple(sorted(rivals, key=lambda one: fits[one][0])))
-
-
-def begun(units: Sequence[Unit], left: Array) -> Mask:
-    """The units (G,) to begin with: those within the median deviations, number by number, that
-    normal ones of so many reach. As many of the smallest as there are numbers in β beside the mean
-    do not count for the median, since least absolute deviations pass through units (DuMouchel &
-    O'Brien, Proceedings of the 21st Symposium on the Interface, 1989)."""
-    means = np.array([one.y.mean(axis=0) for one in units])
-    x = np.array([one.x.mean(axis=0) for one in units])
-    beta = np.linalg.lstsq(x, means, rcond=None)[0]
-    for _ in range(ROUNDS):  # least absolute deviations by weights
-        weights = 1 / np.maximum(
-            np.abs(means - x @ beta), 1e-9 * np.abs(means).max(axis=0) + 1e-300
-        )
-        beta = np.stack(
-            [
-                np.linalg.lstsq(x * w[:, None] ** 0.5, y * w**0.5, rcond=None)[0]
-                for w, y in zip(weights.T, means.T, strict=True)
-            ],
-            axis=1,
-        )
-    columns = np.column_stack([means - x @ beta, np.log(left)])
-    columns = columns - np.median(columns, axis=0)
-    free = np.sort(np.abs(columns), axis=0)[x.shape[1] - 1 :]
-    scale = NORMAL * np.median(free, axis=0)
-    noise = [np.sqrt([one.s[:, k, k].mean() for one in units]) for k in range(means.shape[1])]
-    wide = np.column_stack([np.hypot(scale[:-1], np.array(noise).T), np.full(len(left), scale[-1])])
-    reach = float(t.isf(0.5 / columns.size, len(units) - x.shape[1]))
-    kept = np.all(np.abs(columns) <= reach * np.maximum(wide, 1e-300), axis=1)
-    enough = kept.sum() > len(units) / 2 and _determined(units, kept)
-    return kept if enough else np.ones(len(units), dtype=bool)
-
-
-def _determined(units: Sequence[Unit], kept: Mask) -> bool:
-    """Whether the units that are kept determine what depends on conditions and groups."""
-    x = np.concatenate([one.x for one, use in zip(units, kept, strict=True) if use])
-    return bool(np.linalg.matrix_rank(x) == x.shape[1])
 
 
 def _of_rest(left: Array, freedom: Array, kept: Mask, x: Array) -> tuple[Array, Array]:

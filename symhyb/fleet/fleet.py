@@ -12,8 +12,9 @@ from scipy.special import ndtr
 
 from symhyb.errors import InputError, Problem
 from symhyb.fleet.deviations import Judged, Shifted, judged, shifted
+from symhyb.fleet.means import Array, Unit
 from symhyb.fleet.members import Member, members_of
-from symhyb.fleet.population import Array, Population, Unit
+from symhyb.fleet.population import Population
 from symhyb.fleet.rungs import Weighed, with_structure
 from symhyb.fleet.scales import factors_of, units_in
 from symhyb.fleet.trends import OwnTrend, own_trends
@@ -130,7 +131,8 @@ class Fleet:
     ``conditions`` (C) and their ``centre`` (C,); how many tasks ``failed`` or were ``not_run``;
     ``tested`` is whether there are enough units to say which of them deviate. Where tasks compared
     ``structures`` the numbers are those of one ``structure``; units are compared with those that
-    have the same values of the groupings ``among``."""
+    have the same values of the groupings ``among``. Of groups of peers of which no more than half
+    are alike nobody is named: their units are ``disputed``."""
 
     title: str
     numbers: tuple[Common, ...]
@@ -143,6 +145,7 @@ class Fleet:
     structures: tuple[Weighed, ...] = ()
     structure: str = ""
     among: tuple[str, ...] = ()
+    disputed: tuple[str, ...] = ()
 
     @property
     def deviating(self) -> tuple[Own, ...]:
@@ -182,7 +185,7 @@ def fleet_of(
     if any(factors):
         units = units_in(members, factors, centre)
         found = judged(units, left, freedom)
-    own = own_trends(units, found.population, len(conditions))
+    own = own_trends(units, found.population)
     states = [one.state for one in outcomes.tasks]
     information = _information(units)
     return Fleet(
@@ -209,6 +212,7 @@ def fleet_of(
         structures,
         name,
         tuple(among),
+        tuple(one.name for one, is_so in zip(members, found.disputed, strict=True) if is_so),
     )
 
 
@@ -228,14 +232,14 @@ def _centre(members: Sequence[Member], conditions: Sequence[str]) -> Array:
     if still:
         raise InputError(Problem("is the same in all recordings", f"condition {n}") for n in still)
     peers = np.concatenate([one.peers for one in members])
-    scaled = np.column_stack([np.ones(len(rows)), (rows - centre) / spread, peers])
+    scaled, several = np.column_stack([(rows - centre) / spread, peers]), peers.shape[1] > 1
     if np.linalg.matrix_rank(scaled) < scaled.shape[1]:
         text = "these conditions follow from each other, so that none has a slope of its own"
-        if peers.size:
+        if several:
             text = "these conditions do not vary within the groups of peers, or follow from another"
         raise InputError(Problem(text, f"conditions {', '.join(conditions)}"))
     if len(members) <= scaled.shape[1]:
-        groups = f" and {peers.shape[1] + 1} groups of peers" if peers.size else ""
+        groups = f" and {peers.shape[1]} groups of peers" if several else ""
         text = f"{len(members)} units are too few for {len(conditions)} conditions{groups}"
         raise InputError(Problem(text))
     return np.asarray(centre)
@@ -255,10 +259,7 @@ def _common(
     sd = np.sqrt(np.diag(found.covariance)).reshape(-1, size)[:, k]
     mean, one = float(found.beta[0, k]), member.fits[0]
     slopes = []
-    slopes_end = len(conditions) + 1  # groups of peers come behind
-    for name, value, error in zip(
-        conditions, found.beta[1:slopes_end, k], sd[1:slopes_end], strict=True
-    ):
+    for name, value, error in zip(conditions, found.beta[1:, k], sd[1:], strict=True):
         chance = float(2 * ndtr(-abs(value) / error)) if error > 0 else 1.0
         slopes.append(Slope(name, float(value), float(error), chance))
     within = float(np.sqrt(found.within[k, k])) if found.within.any() else None
@@ -289,9 +290,10 @@ def _own(
 ) -> Own:
     size = unit.y.shape[1]
     z = np.tile(np.eye(size), (len(unit.y), 1))
-    population, x, mean_x = found.population, unit.design, unit.x.mean(axis=0)
-    expected = mean_x @ population.beta
-    rest = unit.y.ravel() - x @ population.beta.ravel()
+    population = found.population
+    rest, error = population.rest(unit)
+    expected = (unit.y - rest.reshape(unit.y.shape)).mean(axis=0)
+    of_expected = z.T @ error @ z / len(unit.y) ** 2
     inside = population.variance(unit) - np.kron(
         np.ones((len(unit.y), len(unit.y))), population.between
     )
@@ -301,9 +303,8 @@ def _own(
     gain = population.between @ z.T @ np.linalg.inv(population.variance(unit))
     shrunken = expected + gain @ rest
     kept = np.eye(size) - gain @ z
-    mean_design = np.kron(mean_x, np.eye(size))
     spread = kept @ population.between
-    spread = spread + kept @ mean_design @ population.covariance @ mean_design.T @ kept.T
+    spread = spread + kept @ of_expected @ kept.T
     by_factor = np.array(factors, dtype=bool)
 
     def back(y: Array) -> Array:

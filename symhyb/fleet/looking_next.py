@@ -10,8 +10,8 @@ import numpy as np
 from symhyb.discrepancy.words.amounts import number_text
 from symhyb.errors import InputError
 from symhyb.fleet.fleet import Fleet, Own, fleet_of
+from symhyb.fleet.means import Array
 from symhyb.fleet.members import condition_of, unit_of
-from symhyb.fleet.population import Array
 from symhyb.fleet.rungs import with_structure
 from symhyb.fleet.words import reason_sentence
 from symhyb.judgement import FEWEST

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.fleet.population import Array
+from symhyb.fleet.means import Array
 from symhyb.judgement import FEWEST
 from symhyb.tasks.fitting import Fitted
 from symhyb.tasks.folder import Entry
@@ -23,14 +23,16 @@ WIDE = 1e3  # times the spread of all values: the deviation of a number that was
 @dataclass(frozen=True, slots=True, eq=False)
 class Member:
     """One unit: its ``tasks`` by name, the fits they left, and the ``conditions`` (R, C − 1) under
-    which they were recorded, in the units of the study; ``peers`` (R, G − 1) say of which of G
-    groups of peers each recording is: 1 in the column of its group, −1 in all for the last one."""
+    which they were recorded, in the units of the study; ``peers`` (R, G) say of which of G groups
+    of peers each recording is, by 1 in its column, and ``effects`` (T,) which values of the
+    groupings that make them its first one has, by 1 for all values but one of each grouping."""
 
     name: str
     tasks: tuple[str, ...]
     fits: tuple[Fitted, ...]
     conditions: Array
-    peers: Array = field(default_factory=lambda: np.zeros((1, 0)))
+    peers: Array = field(default_factory=lambda: np.ones((1, 1)))
+    effects: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def left(self) -> float:
@@ -65,12 +67,12 @@ def members_of(
     problems = [*_no_fits(done), *_varied(outcomes.tasks), *_unlike(done)]
     if problems:
         raise InputError(problems)
-    chosen: dict[str, list[tuple[Outcome, list[float], str]]] = {}
+    chosen: dict[str, list[tuple[Outcome, list[float], tuple[str, ...]]]] = {}
     for one in done:
         try:
             name = unit_of(one.entry, unit)
             stated = [condition_of(one.entry, key) for key in conditions]
-            group = ", ".join(unit_of(one.entry, by, "--among") for by in among)
+            group = tuple(unit_of(one.entry, by, "--among") for by in among)
         except InputError as error:
             problems.extend(error.problems)
         else:
@@ -79,25 +81,31 @@ def members_of(
     if problems:
         raise InputError(_in_short(problems))
     groups = list(dict.fromkeys(group for rows in chosen.values() for _, _, group in rows))
-    coded = np.vstack([np.eye(len(groups) - 1), -np.ones(len(groups) - 1)])
+    values = [sorted({group[k] for group in groups})[1:] for k in range(len(among))]
+    every = [(k, value) for k, some in enumerate(values) for value in some]
+    column = dict(zip(groups, np.eye(len(groups)), strict=True))
     return tuple(
         Member(
             name,
             tuple(one.entry.name for one, _, _ in rows),
             tuple(one.fitted for one, _, _ in rows if one.fitted is not None),
             np.array([stated for _, stated, _ in rows], dtype=np.float64).reshape(len(rows), -1),
-            coded[[groups.index(group) for _, _, group in rows]],
+            np.array([column[group] for _, _, group in rows]),
+            np.array([rows[0][2][k] == value for k, value in every], dtype=np.float64),
         )
         for name, rows in chosen.items()
     )
 
 
-def _alone(chosen: Mapping[str, Sequence[tuple[Outcome, list[float], str]]]) -> Iterable[Problem]:
+def _alone(
+    chosen: Mapping[str, Sequence[tuple[Outcome, list[float], tuple[str, ...]]]],
+) -> Iterable[Problem]:
     """Groups of too few units to compare one of them with the others."""
     having = Counter(group for rows in chosen.values() for group in {group for _, _, group in rows})
     for group, count in having.items():
         if group and count < FEWEST:
-            text = f"has {count} units with '{group}'; one is compared with {FEWEST - 1} or more"
+            least = f"one is compared with {FEWEST - 1} or more"
+            text = f"has {count} units with '{', '.join(group)}'; {least}"
             yield Problem(text, "--among")
 
 

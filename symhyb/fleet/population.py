@@ -1,54 +1,41 @@
 """What units have in common: mean, dependence on conditions, and the spread between them.
 
-Unit i has recordings r with estimates y_ir and their known covariance S_ir. With conditions x_ir,
-of which the first is 1,
+Unit i has recordings r with estimates y_ir and their known covariance S_ir. With the mean m of the
+group of peers that a recording is of, or of all, and slopes over conditions x_ir,
 
-    y_ir = βᵀ x_ir + u_i + w_ir + e_ir,    u ~ N(0, Σ_u),  w ~ N(0, Σ_w),  e_ir ~ N(0, S_ir)
+    y_ir = m + bᵀ x_ir + u_i + w_ir + e_ir,    u ~ N(0, Σ_u),  w ~ N(0, Σ_w),  e_ir ~ N(0, S_ir)
 
 a multivariate random-effects model: DerSimonian & Laird, Controlled Clinical Trials 7, 1986; Laird
 & Ware, Biometrics 38, 1982; Jackson, White & Riley, Biometrical Journal 55, 2013. The spreads
 maximise the restricted likelihood (REML: Viechtbauer, Journal of Educational and Behavioral
 Statistics 30, 2005), by the steps of Zhou, Hu, Zhou & Lange, Journal of Computational and Graphical
 Statistics 28, 2019, which keep them positive. Σ_w is estimated where a unit has several recordings.
-Sizes: N units, R recordings of one, K numbers, C conditions with the constant one.
+Sizes: N units, R recordings of one, K numbers, P conditions.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symhyb.fleet.means import Array, Batch, Layout, Means, Unit, batches_of, layout_of, means_of
+
 STEPS_MOST = 400
 SETTLED = 1e-5  # of ln L: steps that gain less end the estimate
 LEAST = 1e-12  # of the squares: a spread that is smaller is none
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Unit:
-    """The estimates of one unit: ``y`` (R, K) with covariances ``s`` (R, K, K), and conditions
-    ``x`` (R, C), the first of which is 1; numbers in any one scale."""
-
-    y: Array
-    s: Array
-    x: Array
-
-    @property
-    def design(self) -> Array:
-        """What the recordings have of β (R·K, C·K)."""
-        return np.concatenate([np.kron(row, np.eye(self.y.shape[1])) for row in self.x])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Population:
-    """The estimate: ``beta`` (C, K) with ``covariance`` (C·K, C·K), the spreads ``between`` units
+    """The estimate: ``beta`` (P + 1, K), the mean of the means of all groups of peers and slopes,
+    with ``covariance`` ((P + 1)K, (P + 1)K), all ``means`` behind it, the spreads ``between`` units
     and ``within`` one (K, K), and the log of the restricted likelihood ``logl``; ``full`` is
     ln L of the data themselves. ``seen`` (K,) is twice the
     information of the units on the square of the spread of each number."""
 
     beta: Array
     covariance: Array
+    means: Means
     between: Array
     within: Array
     logl: float
@@ -56,13 +43,19 @@ class Population:
     seen: Array
 
     def variance(self, unit: Unit) -> Array:
-        """The covariance (R·K, R·K) of the estimates of a unit, β being known."""
+        """The covariance (R·K, R·K) of the estimates of a unit, the means being known."""
         count, size = unit.y.shape
         found = np.kron(np.ones((count, count)), self.between)
         for r in range(count):
             part = slice(r * size, (r + 1) * size)
             found[part, part] += unit.s[r] + self.within
         return np.asarray(found)
+
+    def rest(self, unit: Unit) -> tuple[Array, Array]:
+        """The estimates of a unit less what is expected of it (R·K,), and the covariance of what is
+        expected (R·K, R·K)."""
+        (batch,) = batches_of([unit], self.means.layout)
+        return self.means.rest(batch)[0], self.means.error(batch)[0]
 
     @property
     def spread_sd(self) -> Array:
@@ -73,16 +66,6 @@ class Population:
         sure = square > of_square / 2
         of_root = of_square / np.sqrt(4 * np.where(sure, square, 1.0))
         return np.asarray(np.where(sure, of_root, np.sqrt(of_square)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Batch:
-    """Units with as many recordings: y (n, RK), S (n, RK, RK) and design (n, RK, CK)."""
-
-    y: Array
-    s: Array
-    x: Array
-    count: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,11 +81,12 @@ class _Now:
 def population_of(units: Sequence[Unit], joint: bool = True) -> Population:
     """The population of units, all spreads from the data; ``joint`` with covariances between
     numbers, else each number varies by itself."""
-    batches = list(_batches(units))
+    layout = layout_of(units)
+    batches = list(batches_of(units, layout))
     size, many = units[0].y.shape[1], sum(len(one.y) for one in units) > len(units)
     begin = _variances(units)
     none = np.zeros((size, size))
-    now = _at(batches, np.diag(begin), np.diag(begin) / 2 if many else none, size)
+    now = _at(batches, layout, np.diag(begin), np.diag(begin) / 2 if many else none)
     for _ in range(STEPS_MOST):
         spreads = [
             _moved(spread, score, weight, joint) if spread.any() else spread
@@ -113,7 +97,7 @@ def population_of(units: Sequence[Unit], joint: bool = True) -> Population:
                 strict=True,
             )
         ]
-        before, now = now.population.logl, _at(batches, spreads[0], spreads[1], size)
+        before, now = now.population.logl, _at(batches, layout, *spreads)
         if abs(now.population.logl - before) < SETTLED:
             break
     found = _cleared(now.population, np.diag(begin))
@@ -131,47 +115,38 @@ def chosen_population(units: Sequence[Unit]) -> Population:
     return joint if joint.logl - alone.logl > price else alone
 
 
+def with_spreads_of(found: Population, units: Sequence[Unit]) -> Population:
+    """The means of units under the spreads of a population."""
+    layout = layout_of(units)
+    batches = list(batches_of(units, layout))
+    now = _at(batches, layout, found.between, found.within).population
+    return replace(now, seen=found.seen)
+
+
 def _variances(units: Sequence[Unit]) -> Array:
-    """Where the spreads begin (K,): variances of the means of units."""
+    """Where the spreads begin (K,): variances of the means of units within groups."""
     means = np.array([one.y.mean(axis=0) for one in units])
-    return np.asarray(np.maximum(means.var(axis=0), 1e-300))
+    groups = np.array([one.groups.mean(axis=0) for one in units])
+    level = np.linalg.pinv(groups.T @ groups, hermitian=True) @ (groups.T @ means)
+    return np.asarray(np.maximum(np.mean((means - groups @ level) ** 2, axis=0), 1e-300))
 
 
-def _batches(units: Sequence[Unit]) -> Iterator[_Batch]:
-    for count in sorted({len(one.y) for one in units}):
-        alike = [one for one in units if len(one.y) == count]
-        size = alike[0].y.shape[1]
-        s = np.zeros((len(alike), count * size, count * size))
-        for r in range(count):
-            part = slice(r * size, (r + 1) * size)
-            s[:, part, part] = [one.s[r] for one in alike]
-        y = np.array([one.y.ravel() for one in alike])
-        yield _Batch(y, s, np.array([one.design for one in alike]), count)
-
-
-def _at(batches: Sequence[_Batch], between: Array, within: Array, size: int) -> _Now:
-    """β by generalised least squares under two spreads, and the likelihood."""
-    inverses, logdet = [], 0.0
-    columns = batches[0].x.shape[2]
-    gram, right = np.zeros((columns, columns)), np.zeros(columns)
+def _at(batches: Sequence[Batch], layout: Layout, between: Array, within: Array) -> _Now:
+    """The means by generalised least squares under two spreads, and the likelihood."""
+    inverses, logdet, size = [], 0.0, len(between)
     for one in batches:
         v = one.s + np.kron(np.eye(one.count), within)
         v = v + np.kron(np.ones((one.count, one.count)), between)
-        inverse = np.linalg.inv(v)
-        inverses.append(inverse)
+        inverses.append(np.linalg.inv(v))
         logdet += float(np.linalg.slogdet(v)[1].sum())
-        gram += np.einsum("nip,nij,njq->pq", one.x, inverse, one.x, optimize=True)
-        right += np.einsum("nip,nij,nj->p", one.x, inverse, one.y, optimize=True)
-    covariance = np.asarray(np.linalg.inv(gram))
-    beta = covariance @ right
+    means = means_of(batches, inverses, layout)
     squares, zero = 0.0, np.zeros((size, size))
     scores, weights = [zero, zero], [zero, zero]
     for one, inverse in zip(batches, inverses, strict=True):
-        rest = one.y - one.x @ beta
+        rest = means.rest(one)
         q = np.einsum("nij,nj->ni", inverse, rest)
         squares += float(np.sum(rest * q))
-        wide = inverse @ one.x
-        projected = inverse - np.einsum("nip,pq,njq->nij", wide, covariance, wide, optimize=True)
+        projected = inverse - inverse @ means.error(one) @ inverse
         n = len(one.y)
         g = q.reshape(n, one.count, size)
         blocks = projected.reshape(n, one.count, size, one.count, size)
@@ -182,9 +157,9 @@ def _at(batches: Sequence[_Batch], between: Array, within: Array, size: int) -> 
         scores[1] = scores[1] + np.einsum("nri,nrj->ij", g, g)
         weights[1] = weights[1] + own.sum(axis=(0, 1))
     full = -0.5 * (logdet + squares)
-    logl = full - 0.5 * float(np.linalg.slogdet(gram)[1])
-    shaped = beta.reshape(-1, size)
-    found = Population(shaped, covariance, between, within, logl, full, np.zeros(size))
+    beta, covariance = means.overall(size)
+    logl = full - 0.5 * means.logdet
+    found = Population(beta, covariance, means, between, within, logl, full, np.zeros(size))
     return _Now(found, (scores[0], scores[1]), (weights[0], weights[1]))
 
 
@@ -215,11 +190,12 @@ def _seen(found: Population, units: Sequence[Unit]) -> Array:
         for part, one in zip(z, units, strict=True)
     ]
     weights = 1 / np.array([np.diag(np.linalg.inv(one)) for one in inner])
-    x = np.array([one.x.mean(axis=0) for one in units])
+    x = np.array([one.columns for one in units])
     result = []
     for w in weights.T:
         weighed = w[:, None] * x
-        projected = np.diag(w) - weighed @ np.linalg.pinv(x.T @ weighed) @ weighed.T
+        inverse = np.linalg.pinv(x.T @ weighed, hermitian=True)
+        projected = np.diag(w) - weighed @ inverse @ weighed.T
         result.append(float(np.sum(projected**2)))
     return np.array(result)
 

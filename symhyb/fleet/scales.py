@@ -8,16 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.fleet.means import Array, Unit
 from symhyb.fleet.members import Member, widths_of
-from symhyb.fleet.population import Array, Unit, population_of
-from symhyb.judgement import CERTAIN, OUTSTANDING
+from symhyb.fleet.population import population_of
+from symhyb.judgement import ACCURACY, CERTAIN, OUTSTANDING
 
 ROUNDING = 1e-10  # of variances: numbers whose errors are one have a covariance that is singular
 
 
 def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) -> list[Unit]:
     """The estimates of all units, those with ``factors`` (K,) as logarithms; conditions less their
-    ``centre``, then groups of peers."""
+    ``centre``."""
     wide, by_factor = widths_of(members), np.array(factors, dtype=bool)
     found = []
     for member in members:
@@ -31,8 +32,9 @@ def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) 
         y = np.where(by_factor, np.log(np.where(by_factor, values, 1.0)), values)
         s = covariances * slope[:, :, None] * slope[:, None, :]
         s = s * (1 + ROUNDING * np.eye(s.shape[1]))
-        x = np.column_stack([np.ones(len(values)), member.conditions - centre, member.peers])
-        found.append(Unit(y, s, x))
+        x = np.column_stack([np.ones(len(values)), member.conditions - centre])
+        numerics = ACCURACY * np.where(by_factor, 1.0, np.abs(values))
+        found.append(Unit(y, s, x, member.peers, numerics, member.effects))
     return found
 
 
@@ -63,4 +65,5 @@ def _gain(members: Sequence[Member], centre: Array, k: int) -> float:
 
 
 def _only(unit: Unit, k: int) -> Unit:
-    return replace(unit, y=unit.y[:, [k]], s=unit.s[:, [k]][:, :, [k]])
+    numerics = unit.numerics[:, [k]]
+    return replace(unit, y=unit.y[:, [k]], s=unit.s[:, [k]][:, :, [k]], numerics=numerics)

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.special import ndtr
 from scipy.stats import false_discovery_control
 
-from symhyb.fleet.population import Array, Population, Unit
+from symhyb.fleet.means import Array, Unit
+from symhyb.fleet.population import Population
 from symhyb.judgement import FEWEST, OUTSTANDING, PROBABLE
 
 
@@ -38,12 +39,10 @@ class OwnTrend:
     probability: float
 
 
-def own_trends(
-    units: Sequence[Unit], found: Population, conditions: int | None = None
-) -> list[OwnTrend | None]:
-    """For each unit how its slopes differ, None where they do not, or it has too few recordings;
-    the first so many columns of x behind the constant one are ``conditions``, None: all."""
-    slopes = [list(_slopes(one, found, conditions)) for one in units]
+def own_trends(units: Sequence[Unit], found: Population) -> list[OwnTrend | None]:
+    """For each unit how its slopes differ, None where they do not, or it has too few
+    recordings."""
+    slopes = [list(_slopes(one, found)) for one in units]
     tested = [i for i, one in enumerate(slopes) if one]
     if not tested:
         return [None] * len(units)
@@ -61,18 +60,20 @@ def own_trends(
     return result
 
 
-def _slopes(unit: Unit, found: Population, conditions: int | None) -> Sequence[OwnSlope]:
+def _slopes(unit: Unit, found: Population) -> Sequence[OwnSlope]:
     """Every slope of a unit against that of the population."""
     count, size = unit.y.shape
     if count < FEWEST:
         return []
     variance = np.zeros((count * size, count * size))
+    accurate = np.broadcast_to(unit.numerics, unit.y.shape)
     for r in range(count):
         part = slice(r * size, (r + 1) * size)
-        variance[part, part] = unit.s[r] + found.within
-    rest = unit.y.ravel() - unit.design @ found.beta.ravel()
+        lacking = np.maximum(accurate[r] ** 2 - np.diag(found.within), 0.0)
+        variance[part, part] = unit.s[r] + found.within + np.diag(lacking)
+    rest, _ = found.rest(unit)
     result = []
-    for at in range(unit.x.shape[1] - 1 if conditions is None else conditions):
+    for at in range(unit.x.shape[1] - 1):
         x = unit.x[:, at + 1]
         if not np.ptp(x) > 0:
             continue

@@ -91,6 +91,11 @@ def fleet_notes(fleet: Fleet) -> Iterator[str]:
             f"{len(fleet.units)} units are too few to say which of them deviate in"
             f" {len(fleet.numbers)} numbers"
         )
+    if fleet.disputed:
+        yield (
+            f"who deviates is not said of {_names(list(fleet.disputed))}: no more than half of"
+            f" {'these peers' if fleet.among else 'these'} are alike"
+        )
     idle = [one.name for one in fleet.units if one.adds_nothing and one.reason is None]
     if idle:
         which = "the recordings add" if len(idle) > 1 else "the recording adds"

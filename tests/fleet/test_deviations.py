@@ -5,7 +5,7 @@ import pytest
 from fleets import drawn
 
 from symhyb.fleet.deviations import Deviation, judged, shifted
-from symhyb.fleet.population import Unit
+from symhyb.fleet.means import Unit
 
 MEAN = np.array([1.0, 2.0, 3.0])
 BETWEEN = np.diag([0.02, 0.03, 0.05]) ** 2

@@ -7,9 +7,9 @@ import pytest
 from fleets import write_fits
 
 from symhyb.errors import InputError
-from symhyb.fleet.deviations import begun
+from symhyb.fleet.begun import begun
 from symhyb.fleet.fleet import fleet_of
-from symhyb.fleet.population import Unit
+from symhyb.fleet.means import Unit
 from symhyb.fleet.written import fleet_facts
 from symhyb.tasks.outcome import read_outcomes
 

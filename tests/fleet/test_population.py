@@ -5,7 +5,8 @@ import pytest
 from fleets import drawn
 from scipy.optimize import minimize_scalar
 
-from symhyb.fleet.population import Unit, chosen_population, population_of
+from symhyb.fleet.means import Unit
+from symhyb.fleet.population import chosen_population, population_of
 
 # Trials of a vaccine (Colditz et al., JAMA 271, 1994): log risk ratio and its variance, and the
 # latitude, as Viechtbauer, Journal of Statistical Software 36, 2010, lists them

@@ -4,7 +4,8 @@ import numpy as np
 from fleets import drawn, write_fits
 
 from symhyb.fleet.fleet import fleet_of
-from symhyb.fleet.population import Unit, population_of
+from symhyb.fleet.means import Unit
+from symhyb.fleet.population import population_of
 from symhyb.fleet.trends import own_trends
 from symhyb.fleet.words import reason_sentence
 from symhyb.tasks.outcome import read_outcomes
