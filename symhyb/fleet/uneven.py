@@ -14,8 +14,11 @@ towards that,
 
     λ = (ν₀ λ₀ + Q_g)/(ν₀ + ν_g)
 
-known as from ν₀ + ν_g samples, ν₀ counting the error of the effects. Where groups do not differ all
-λ are 1, and ν₀ is infinite. Sizes: N units, G groups, T effects.
+known as from ν₀ + ν_g samples, ν₀ counting the error of the effects. A group that scatters by
+far less than that, as one whose fits all end at bounds, counts as three deviations below it (after
+Phipson, Lee, Majewski, Alexander & Smyth, Annals of Applied Statistics 10, 2016): its logarithm
+would make the population so wide that groups said nothing of each other. Where groups do not
+differ all λ are 1, and ν₀ is infinite. Sizes: N units, G groups, T effects.
 """
 
 from collections.abc import Sequence
@@ -26,10 +29,12 @@ from scipy.special import digamma, polygamma
 
 from symhyb.fleet.means import Array, Unit
 from symhyb.fleet.population import Population
-from symhyb.judgement import FEWEST
+from symhyb.judgement import FEWEST, OUTSTANDING
 
 Mask = NDArray[np.bool_]
 ROUNDS = 50  # of Newton's, for ν₀
+SETTLED = 1e-3  # of ln λ
+NORMAL = 1.4826  # of a median deviation: the standard deviation of normal errors
 LEAST = 1e-3  # of the variance of ln λ: ν₀ is 2000 then
 
 
@@ -77,6 +82,13 @@ def population_of_scales(square: Array, freedom: Array, effects: Array) -> tuple
         x = x[:, :1]
     gram = np.linalg.pinv(x[seen].T @ x[seen], hermitian=True)
     beta = gram @ x[seen].T @ logs
+    for _ in range(ROUNDS):
+        off = logs - x[seen] @ beta
+        low = x[seen] @ beta - OUTSTANDING * NORMAL * float(np.median(np.abs(off)))
+        if np.all(logs >= low - SETTLED):
+            break
+        logs = np.maximum(logs, low)
+        beta = gram @ x[seen].T @ logs
     left = int(seen.sum()) - np.linalg.matrix_rank(x[seen])
     whole = float(np.sum((logs - x[seen] @ beta) ** 2)) / left
     more = max(whole - noise, LEAST)

@@ -49,6 +49,16 @@ def test_what_groupings_explain_is_no_scatter_of_scales() -> None:
     assert population_of_scales(square, freedom, np.zeros((120, 0)))[1].max() < 3
 
 
+def test_groups_that_hardly_scatter_do_not_spoil_the_others() -> None:
+    none = np.zeros((200, 0))
+    square, freedom = drawn_squares(2, np.ones(200), 5.0)
+    at, before = population_of_scales(square, freedom, none)
+    square[::10] *= 1e-4
+    quiet = population_of_scales(square, freedom, none)
+    assert quiet[0].min() > at.min() / 2
+    assert quiet[1].min() > before.min() / 2
+
+
 def test_too_few_groups_are_even() -> None:
     at, before = population_of_scales(np.array([1.0, 9.0]), np.array([9.0, 9.0]), np.zeros((2, 0)))
     assert (at.tolist(), before.tolist()) == ([1.0, 1.0], [np.inf, np.inf])
