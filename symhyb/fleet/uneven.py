@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import digamma, polygamma
 
+from symhyb.fleet.begun import NORMAL
 from symhyb.fleet.means import Array, Unit
 from symhyb.fleet.population import Population
 from symhyb.judgement import FEWEST, OUTSTANDING
@@ -34,7 +35,6 @@ from symhyb.judgement import FEWEST, OUTSTANDING
 Mask = NDArray[np.bool_]
 ROUNDS = 50  # of Newton's, for ν₀
 SETTLED = 1e-3  # of ln λ
-NORMAL = 1.4826  # of a median deviation: the standard deviation of normal errors
 LEAST = 1e-3  # of the variance of ln λ: ν₀ is 2000 then
 
 
