@@ -14,8 +14,8 @@ export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: test demo slow thorough fuzz oldest package browser windows masters lint types layers docs all install clean
 
+# a file at a time: what its tests share is made once
 test: $(READY)
-	# a file at a time: what its tests share is made once
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile
 
 demo: $(READY)
