@@ -130,7 +130,7 @@ def _map(data: bytes) -> None:
 
 def _table(module: str, function: str, name: str) -> Callable[[bytes], None]:
     def take(data: bytes) -> None:
-        getattr(import_module(f"symhyb.data.{module}"), function)(data, name)
+        getattr(import_module(f"symhyb.data.files.{module}"), function)(data, name)
 
     return take
 
