@@ -5,11 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import StateSpace, lsim
 
+from symhyb.data.recording import Recording
 from symhyb.model.read import parse_model
 from symhyb.model.types import On
 from symhyb.monitoring.events import Event
-from symhyb.monitoring.play import play_of, play_phrase, plays, stiffness_at
+from symhyb.monitoring.gauge import gauge_of
+from symhyb.monitoring.play import is_play, play_of, play_phrase, plays, stiffness_at
 from symhyb.monitoring.watching import Watch, watch
 from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed_model, pushing
 
@@ -80,6 +83,17 @@ def test_the_clearance_is_in_the_unit_of_the_stretch() -> None:
     found = play_of(model, play, -5.0 * np.radians(0.5), 5.0 * np.radians(0.1))
     assert found.unit == "rad"  # of a difference of two angles
     assert (found.value, found.sd) == pytest.approx((np.radians(0.5), np.radians(0.1)))
+
+
+def test_a_spring_that_is_always_stretched_shows_no_play() -> None:
+    random = np.random.default_rng(4)
+    t = STEP * np.arange(1500)
+    force, still = pushing(random, t), 100.0
+    system = StateSpace([[0, 1], [-STIFFNESS, -DAMPING]], [[0], [1]], [[1, 0]], [[0]])
+    x = lsim(system, force, t)[1] + still / STIFFNESS + NOISE * random.standard_normal(t.size)
+    assert x.min() > 0
+    there = Recording("stretched.csv", t, {"f": force + still}, {"laser": x}, (), "")
+    assert not any(map(is_play, gauge_of(pushed_model(), there).hypotheses))
 
 
 @cache
