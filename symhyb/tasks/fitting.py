@@ -157,8 +157,8 @@ def _read_numbers(content: Mapping[str, Any]) -> Fitted:
     if not (np.isfinite(values).all() and not np.isnan(covariance).any()):
         raise ValueError("values and covariances must be finite")
     finite = np.where(np.isinf(covariance), 1.0, covariance)
-    balanced = finite / np.sqrt(np.outer(np.diag(finite), np.diag(finite)))
-    if np.linalg.eigvalsh(balanced)[0] < -NEGATIVE:
+    scale = np.sqrt(np.diag(finite))  # of small ones the product of two variances is 0
+    if np.linalg.eigvalsh(finite / np.outer(scale, scale))[0] < -NEGATIVE:
         raise ValueError("its covariance is none: not positive")
     after = content["noise_multiple"]["after"]
     before = content["noise_multiple"]["before"]

@@ -118,3 +118,19 @@ def test_numbers_that_are_not_determined_have_infinite_deviations() -> None:
     assert fit.sd.tolist() == [2.0, np.inf]
     assert fit.covariance[0, 1] == 0.0
     assert (fit.before, fit.after) == (np.inf, 4.0)
+
+
+def test_deviations_whose_fourth_power_is_no_number_are_read() -> None:
+    """Of a run that leaves every bound the slopes are as large as 10⁸⁵."""
+    tiny, part = 1e-170, 0.9e-170
+    fit = read_fit(
+        {
+            "numbers": [{"name": name, "unit": "1", "value": 1} for name in ("k", "d")],
+            "covariance": [[tiny, part], [part, tiny]],
+            "noise_multiple": {"before": 2.0, "after": 2.0},
+            "samples": 5,
+            "correlation_time": 1.0,
+            "bounds": [],
+        }
+    )
+    assert fit.sd.tolist() == pytest.approx([1e-85, 1e-85], rel=1e-12)
