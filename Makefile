@@ -36,8 +36,8 @@ fuzz: $(READY)
 # with the oldest versions that pyproject.toml allows, in an environment of its own: quick tests of
 # all that calls a library, and of whole diagnoses
 OLDEST := build/oldest
-OF_OLDEST := cli data export imports laws model numeric optimisation report \
-	diagnosis/test_diagnosis.py test_learn.py
+OF_OLDEST := data export imports laws model numeric optimisation report \
+	cli/test_cli.py diagnosis/test_diagnosis.py test_learn.py
 # but for those that need the tools of development, or look at the newest versions
 NOT_OF_OLDEST := report/test_contract.py::test_the_schemas_are_those_of_the_types \
 	laws/test_add_a_law.py::test_the_law_of_the_page_is_written_as_all_code_is
