@@ -1,7 +1,10 @@
 """What names mean in a model, which of them may stand where, and the units that follow."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.errors import did_you_mean
 from symhyb.model.curves import Curve
@@ -12,6 +15,7 @@ from symhyb.model.expression import (
     Node,
     Operation,
     Reading,
+    evaluate,
     names,
     quantities,
     readings,
@@ -107,6 +111,20 @@ def numbers_of(model: Model, element: Element) -> dict[tuple[str, int] | str, fl
     """The parameters that the expressions of an ``element`` see, by name, SI: its own before those
     of the model."""
     return {one.name: one.si for one in (*model.parameters, *element.parameters)}
+
+
+def constant_of(
+    expression: Expression, model: Model, own: Iterable[Parameter] = ()
+) -> float | None:
+    """Evaluate an expression of parameters of the model and of ``own``, SI; None if it has other
+    names, or calls a curve or a map that is not there."""
+    values: dict[tuple[str, int] | str, NDArray[np.float64] | float]
+    values = {one.name: one.si for one in (*model.parameters, *own)}
+    if any(name.order or name.name not in values for name in names(expression)):
+        return None
+    tables = model.characteristics()
+    known = all(one in tables for one in tables_in(expression))
+    return float(evaluate(expression, values, tables)) if known else None
 
 
 def shared_names(

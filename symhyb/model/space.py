@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.limits import HANGING_DEEP
-from symhyb.model.expression import Expression, ExpressionError, Name, evaluate, names, tables_in
-from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
+from symhyb.model.expression import Expression, ExpressionError, Name, evaluate, names
+from symhyb.model.scope import MASS, POSITION, Scope, constant_of, expression_faults
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.turned import Quaternion, Rotations
@@ -160,7 +160,7 @@ def _quaternion_faults(
 
 def _inertia_faults(body: Body, model: Model) -> Iterator[Fault]:
     """Moments of inertia that no body has, where their values are known from parameters."""
-    values = [_value(part, model) for part in body.tensor]
+    values = [constant_of(part, model) for part in body.tensor]
     known = [value for value in values if value is not None and isfinite(value)]
     if len(known) < 3 or len(known) != len(values):
         return
@@ -174,16 +174,6 @@ def _inertia_faults(body: Body, model: Model) -> Iterator[Fault]:
     elif low + middle < high * (1 - SLIGHT):
         text = "the largest is at most the sum of the other two"
         yield path, f"is that of no body: {listed}, but {text} (triangle inequality)"
-
-
-def _value(expression: Expression, model: Model) -> float | None:
-    """Evaluate an expression of parameters, SI; None if it has other names."""
-    values: Values = {parameter.name: parameter.si for parameter in model.parameters}
-    if any(name.order or name.name not in values for name in names(expression)):
-        return None
-    tables = model.characteristics()
-    known = all(one in tables for one in tables_in(expression))
-    return float(evaluate(expression, values, tables)) if known else None
 
 
 def _element_faults(element: Element, model: Model, size: int) -> Iterator[Fault]:

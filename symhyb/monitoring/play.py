@@ -6,8 +6,7 @@ It lacks k p sgn s of what the model says, to first order in p: one column of un
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.model.scope import numbers_of
-from symhyb.model.trees import evaluate
+from symhyb.model.scope import constant_of
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import stretch_unit
 from symhyb.monitoring.events import Amount
@@ -28,15 +27,15 @@ def plays(model: Model) -> tuple[Hypothesis, ...]:
 
 
 def stiffness_at(model: Model, place: On) -> float:
-    """The linear stiffness, SI, of all springs at a place; 0 where it changes with the motion."""
-    total = 0.0
-    for one in model.elements:
-        if one.kind == "spring" and one.place == place and (text := one.value("stiffness")):
-            try:
-                total += float(evaluate(text, numbers_of(model, one), model.characteristics()))
-            except KeyError:
-                return 0.0
-    return total
+    """The linear stiffness, SI, of all springs at a place; 0 where an input, a state or the time
+    changes one of them."""
+    stated = [
+        constant_of(text, model, one.parameters)
+        for one in model.elements
+        if one.kind == "spring" and one.place == place and (text := one.value("stiffness"))
+    ]
+    known = [one for one in stated if one is not None]
+    return sum(known) if len(known) == len(stated) else 0.0
 
 
 def is_play(cause: Hypothesis) -> bool:
