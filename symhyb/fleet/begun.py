@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
-from symhyb.fleet.means import Array, Unit
+from symhyb.fleet.means import Array, Unit, groups_of
 
 Mask = NDArray[np.bool_]
 ROUNDS = 20  # of least absolute deviations
@@ -36,7 +36,7 @@ def begun(units: Sequence[Unit], left: Array) -> Mask:
     reach = float(t.isf(0.5 / columns.size, len(units) - x.shape[1]))
     far = np.abs(columns) / np.maximum(wide, 1e-300)
     kept = np.all(far <= reach, axis=1)
-    groups = np.array([one.groups.any(axis=0) for one in units])
+    groups = groups_of(units)
     near = np.empty(len(units))
     for members in groups.T:
         inside = columns[members] - np.median(columns[members], axis=0)
@@ -50,7 +50,7 @@ def determined(x: Array) -> bool:
     return bool(np.linalg.matrix_rank(x) == x.shape[1])
 
 
-def of_majorities(kept: Mask, near: Array, groups: Array) -> tuple[Mask, Mask]:
+def of_majorities(kept: Mask, near: Array, groups: Mask) -> tuple[Mask, Mask]:
     """Units (N,) of which every one of the ``groups`` (N, G: of which each unit has recordings)
     keeps more than half, those that are missing being the ``near`` ones (N,: the larger the
     nearer), and which units are of a group that kept no more than half by itself."""

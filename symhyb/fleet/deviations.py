@@ -34,7 +34,7 @@ from scipy.special import fdtrc
 from scipy.stats import false_discovery_control, t
 
 from symhyb.fleet.begun import begun, determined, of_majorities
-from symhyb.fleet.means import Array, Unit
+from symhyb.fleet.means import Array, Unit, groups_of
 from symhyb.fleet.population import Population, chosen_population, with_spreads_of
 from symhyb.fleet.uneven import scales_of
 from symhyb.judgement import CLOSE, FEWEST, NEAR_NOISE, PROBABLE, SIGNIFICANT
@@ -107,7 +107,7 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         found = chosen_population(units)
         off = _deviations(found, everyone, units, 0)
         return Judged(found, everyone, off, sure, sure, left, False, ~everyone)
-    groups = np.array([one.groups.any(axis=0) for one in units])
+    groups = groups_of(units)
     kept, disputed = begun(units, left), np.zeros(count, dtype=bool)
     seen: list[bytes] = []
     for _ in range(ROUNDS):

@@ -49,6 +49,11 @@ class Unit:
         return np.concatenate([self.groups.mean(axis=0), self.x[:, 1:].mean(axis=0)])
 
 
+def groups_of(units: Sequence[Unit]) -> NDArray[np.bool_]:
+    """Of which groups of peers each unit has recordings (N, G)."""
+    return np.array([one.groups.any(axis=0) for one in units])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
     """Of G groups the ``part`` (G,) that each belongs to and its ``place`` (G,) there."""
@@ -117,7 +122,7 @@ class Means:
 
 def layout_of(units: Sequence[Unit]) -> Layout:
     """Which groups have units in common."""
-    having = np.array([one.groups.any(axis=0) for one in units], dtype=np.float64)
+    having = groups_of(units).astype(np.float64)
     _, part = connected_components(having.T @ having, directed=False)
     place = np.zeros(part.size, dtype=np.int64)
     for which in range(int(part.max()) + 1):

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from scipy.special import digamma, polygamma
 
 from symhyb.fleet.begun import NORMAL
-from symhyb.fleet.means import Array, Unit
+from symhyb.fleet.means import Array, Unit, groups_of
 from symhyb.fleet.population import Population
 from symhyb.judgement import FEWEST, OUTSTANDING
 
@@ -42,9 +42,7 @@ def scales_of(found: Population, kept: Mask, units: Sequence[Unit]) -> tuple[Arr
     """λ (N,), dimensionless, for each unit by the others of its group that are ``kept`` (N,), and
     how many samples it is as well known as from (N,)."""
     count = len(units)
-    _, first, which = np.unique(
-        [one.groups.any(axis=0) for one in units], axis=0, return_index=True, return_inverse=True
-    )
+    _, first, which = np.unique(groups_of(units), axis=0, return_index=True, return_inverse=True)
     which = np.asarray(which).ravel()
     square, freedom, own, size = (np.zeros(count) for _ in range(4))
     for i in map(int, np.flatnonzero(kept)):
