@@ -49,10 +49,14 @@ ratio, dry friction tells them apart."""
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """What a seed draws: the change, by which share of what it was."""
+    """What a seed draws: the change, by which share of what it was, or play in m."""
 
     kind: str
-    share: float
+    size: float
+
+    def __str__(self) -> str:
+        by = f"{1e3 * self.size:.1f} mm" if self.kind == "play" else f"{self.size:.1%}"
+        return f"{self.kind} + {by}"
 
 
 def drawn(seed: int) -> Drawn:
@@ -64,32 +68,46 @@ def drawn(seed: int) -> Drawn:
 
 
 @njit
-def places(waves: Array, phases: Array, before: Array, after: Array, count: int) -> Array:
-    """Where the slide is (count,), m, at the samples of a logger, under numbers (k, c, mu, gain,
-    play) ``before`` and ``after`` a change, by Runge and Kutta's method of order 4."""
+def pushed(t: float, waves: Array, phases: Array) -> float:
+    """The force of the drive, N."""
+    force = 0.0
+    for w in range(waves.size):
+        force += 4 * np.sin(2 * np.pi * waves[w] * t + phases[w])
+    return force
+
+
+@njit
+def accelerated(x: float, v: float, force: float, numbers: Array) -> float:
+    """The acceleration of the slide, m/s², under numbers (k, c, mu, gain, play)."""
+    k, c, mu, gain, play = numbers
+    pressed = max(x - play, 0.0) + min(x + play, 0.0)
+    return (gain * force - k * pressed - c * v - mu * np.tanh(v / TURNS)) / MASS
+
+
+@njit
+def recorded(waves: Array, phases: Array, before: Array, after: Array, count: int) -> Array:
+    """Force, N, and place of the slide, m, at the samples of a logger (2, count), under numbers
+    ``before`` and ``after`` a change, by Runge and Kutta's method of order 4."""
     dt = 1.0 / RATE / STEPS
-    found = np.empty(count)
+    found = np.empty((2, count))
     x, v = 0.0, 0.0
     for i in range(count):
-        found[i] = x
-        k, c, mu, gain, play = after if i >= AT_S * RATE else before
+        numbers = after if i >= AT_S * RATE else before
+        force = pushed(i / RATE, waves, phases)
+        found[0, i], found[1, i] = force, x
         for j in range(STEPS):
-            start = i / RATE + j * dt
-            dx, dv, gone, gained = 0.0, 0.0, 0.0, 0.0
-            for stage in range(4):
-                part = 0.0 if stage == 0 else 1.0 if stage == 3 else 0.5
-                if stage % 3 != 2:
-                    force = 0.0
-                    for w in range(waves.size):
-                        angle = 2 * np.pi * waves[w] * (start + part * dt) + phases[w]
-                        force += 4 * np.sin(angle)
-                there, fast = x + part * dt * dx, v + part * dt * dv
-                pressed = max(there - play, 0.0) + min(there + play, 0.0)
-                held = k * pressed + c * fast + mu * np.tanh(fast / TURNS)
-                dx, dv = fast, (gain * force - held) / MASS
-                weight = 1.0 if stage % 3 == 0 else 2.0
-                gone, gained = gone + weight * dx, gained + weight * dv
-            x, v = x + dt * gone / 6, v + dt * gained / 6
+            now = i / RATE + j * dt
+            half, end = pushed(now + dt / 2, waves, phases), pushed(now + dt, waves, phases)
+            a1 = accelerated(x, v, force, numbers)
+            v2 = v + dt / 2 * a1
+            a2 = accelerated(x + dt / 2 * v, v2, half, numbers)
+            v3 = v + dt / 2 * a2
+            a3 = accelerated(x + dt / 2 * v2, v3, half, numbers)
+            v4 = v + dt * a3
+            a4 = accelerated(x + dt * v3, v4, end, numbers)
+            x += dt * (v + 2 * v2 + 2 * v3 + v4) / 6
+            v += dt * (a1 + 2 * a2 + 2 * a3 + a4) / 6
+            force = end
     return found
 
 
@@ -99,13 +117,10 @@ def lines(seed: int, seconds: float, change: Drawn | None) -> Iterator[str]:
     t = np.arange(0, seconds, 1 / RATE)
     waves, phases = rng.uniform(0.3, 3.0, 8), rng.uniform(0, 2 * np.pi, 8)
     before, after = (np.array(list(one.values())) for one in (GOOD, changed(change)))
-    shown = places(waves, phases, before, after, t.size)
-    shown += 1e-4 * rng.standard_normal(t.size)
-    force = np.zeros(t.size)
-    for wave, phase in zip(waves, phases, strict=True):
-        force += 4 * np.sin(2 * np.pi * wave * t + phase)
+    force, place = recorded(waves, phases, before, after, t.size)
+    place += 1e-4 * rng.standard_normal(t.size)
     yield "t,f,pos"
-    rows = zip(t.tolist(), force.tolist(), shown.tolist(), strict=True)
+    rows = zip(t.tolist(), force.tolist(), place.tolist(), strict=True)
     yield from (f"{a:.4f},{b:.6f},{c:.7f}" for a, b, c in rows)
 
 
@@ -113,8 +128,8 @@ def changed(change: Drawn | None) -> dict[str, float]:
     """The numbers of the slide after a change."""
     if change is None:
         return GOOD
-    key = CHANGES[change.kind][0]
-    return {**GOOD, key: GOOD[key] * (1 + change.share) or change.share}
+    key, was = CHANGES[change.kind][0], GOOD[CHANGES[change.kind][0]]
+    return {**GOOD, key: was * (1 + change.size) if was else change.size}
 
 
 def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], float]:
@@ -155,7 +170,7 @@ def main() -> None:
         hit = any(word in name for word in NAMES[change.kind])
         right += hit
         print(
-            f"{seed}: {change.kind} + {change.share:.1%}: told after {delays[-1]:.1f} s, named "
+            f"{seed}: {change}: told after {delays[-1]:.1f} s, named "
             f"{name or 'not'}{'' if hit else ' (wrong)'}",
             flush=True,
         )
