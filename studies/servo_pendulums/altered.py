@@ -33,7 +33,7 @@ from falls import FOLDER, folder_of_runs
 from numpy.typing import NDArray
 from runs import PER_RAD, STEPS, Run, read_runs, restated, write_runs
 
-from symhyb.tasks.outcome import NOT_RUN, read_outcomes
+from symhyb.tasks.outcome import NOT_RUN, Outcomes, read_outcomes
 
 MORE_GAIN, MORE_FRICTION = 1.03, 1.5
 COUNT = 20
@@ -114,10 +114,10 @@ def altered(run: Run, kind: str, weights: Sequence[float], numbers: Mapping[str,
     return with_friction(run, numbers)
 
 
-def fitted_numbers(fits: Path) -> dict[str, dict[str, float]]:
+def fitted_numbers(outcomes: Outcomes) -> dict[str, dict[str, float]]:
     """What was fitted to each run, by the name of its file, SI."""
     found = {}
-    for one in read_outcomes(fits).tasks:
+    for one in outcomes.tasks:
         rungs = () if one.fitted is None else one.fitted.rungs
         for rung in rungs:
             if rung.name == STRUCTURE and rung.fitted is not None:
@@ -132,9 +132,9 @@ def main() -> None:
     folder, out = folder_of_runs(), Path(sys.argv[1])
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
-    fits, seed = Path(sys.argv[2]), int(sys.argv[3])
+    fits, seed = read_outcomes(Path(sys.argv[2])), int(sys.argv[3])
     numbers = fitted_numbers(fits)
-    tasks = [one for one in read_outcomes(fits).tasks if one.state != NOT_RUN]
+    tasks = [one for one in fits.tasks if one.state != NOT_RUN]
     names = {dict(one.entry.settings)["recordings"] for one in tasks}
     runs = [one for one in read_runs(folder) if one.name in names]
     kinds = picked([one for one in runs if one.name in numbers], seed)
