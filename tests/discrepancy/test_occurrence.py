@@ -31,6 +31,8 @@ def test_a_stop_acts_only_beyond_its_clearance_and_smooth_laws_from_the_start() 
     assert beyond_of(s, -5 * s**3 + noise) is None
     assert beyond_of(s, -np.sign(np.gradient(s)) + noise) is None
     assert beyond_of(s, noise) is None
+    far = 0.7 + 0.27 * np.sin(T)  # never near zero
+    assert beyond_of(far, -5 * far + noise) is None
 
 
 @pytest.mark.parametrize(

@@ -161,9 +161,10 @@ def band_of(lines: Array, power: Array) -> tuple[float, float] | None:
 
 def beyond_of(stretch: Array, missing: Array) -> float | None:
     """The size of the ``stretch`` (N,), from zero, below which no force is ``missing`` (N,) on
-    average, and beyond which one is, SI; None for a force that is there from the start."""
+    average, and beyond which one is, SI; None for a force that is there from the start, or where
+    the stretch never was below."""
     size, most = np.abs(stretch), float(np.quantile(np.abs(stretch), 0.999))
-    if most <= 0 or stretch.min() >= MOST * most:
+    if most <= 0:
         return None
     edges = np.linspace(0.0, most, BINS + 1)
     means, errors = np.zeros(2 * BINS), np.full(2 * BINS, np.inf)
@@ -181,7 +182,7 @@ def beyond_of(stretch: Array, missing: Array) -> float | None:
     )
     first = int(np.flatnonzero(loud)[0]) // 2 if loud.any() else 0
     threshold = float(edges[first])
-    if threshold < BEYOND_LEAST * most:
+    if threshold < BEYOND_LEAST * most or size.min() >= threshold:
         return None
     inner, outer = (
         float(np.sqrt(np.mean(missing[rows] ** 2)))
