@@ -20,8 +20,9 @@ FIRST, POLYNOMIAL, LOSS, SHAPED, LOPSIDED, INERTIA, CURVED, PERIODIC = range(8)
 class Reach:
     """What a place moves through, SI: ``stretch`` and ``rate`` (N,) of all recordings, and the
     ``force`` (N,) that the model lacks there, at times ``t`` (N,); the natural ``length`` between
-    two points, None on a coordinate, how ``narrow`` friction turns, over the largest rate, and the
-    ``flows``: channels beside the machine that show a speed in the unit of the rate."""
+    two points, None on a coordinate, how ``narrow`` friction turns, over the largest rate, the
+    ``flows``: channels beside the machine that show a speed in the unit of the rate, and the linear
+    ``stiffness`` of the springs that the model has there."""
 
     stretch: Array
     rate: Array
@@ -30,6 +31,7 @@ class Reach:
     length: float | None = None
     narrow: float = TRANSITION_SHARE
     flows: tuple[str, ...] = ()
+    stiffness: float = 0.0
 
     @property
     def speed(self) -> float:

@@ -5,8 +5,8 @@ It lacks k p sgn s of what the model says, to first order in p: one column of un
 """
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.standing import stiffness_at
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.model.scope import constant_of
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import stretch_unit
 from symhyb.monitoring.events import Amount
@@ -24,18 +24,6 @@ def plays(model: Model) -> tuple[Hypothesis, ...]:
         Hypothesis(LAW, place, ("coefficient",), (False,), path=formula)
         for place, formula in places.items()
     )
-
-
-def stiffness_at(model: Model, place: On) -> float:
-    """The linear stiffness, SI, of all springs at a place; 0 where an input, a state or the time
-    changes one of them."""
-    stated = [
-        constant_of(text, model, one.parameters)
-        for one in model.elements
-        if one.kind == "spring" and one.place == place and (text := one.value("stiffness"))
-    ]
-    known = [one for one in stated if one is not None]
-    return sum(known) if len(known) == len(stated) else 0.0
 
 
 def is_play(cause: Hypothesis) -> bool:

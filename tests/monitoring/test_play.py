@@ -8,11 +8,12 @@ from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.places.standing import stiffness_at
 from symhyb.model.read import parse_model
 from symhyb.model.types import On
 from symhyb.monitoring.events import Event
 from symhyb.monitoring.gauge import gauge_of
-from symhyb.monitoring.play import is_play, play_of, play_phrase, plays, stiffness_at
+from symhyb.monitoring.play import is_play, play_of, play_phrase, plays
 from symhyb.monitoring.watching import Watch, watch
 from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed_model, pushing
 

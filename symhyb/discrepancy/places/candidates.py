@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
-from symhyb.discrepancy.places.standing import alike, flows_at
+from symhyb.discrepancy.places.standing import alike, flows_at, stiffness_at
 from symhyb.laws import LAWS
 from symhyb.laws.base import STRETCHED, Law
 from symhyb.laws.reach import TRANSITION_SHARE, Candidate, Reach
@@ -32,13 +32,12 @@ def force_hypotheses(
     return tuple(
         hypothesis
         for place, reach in reaches.items()
-        for hypothesis in _at_place(
-            model, place, replace(reach, narrow=narrow, flows=flows_at(model, place))
-        )
+        for hypothesis in _at_place(model, place, replace(reach, narrow=narrow))
     )
 
 
 def _at_place(model: Model, place: Place, reach: Reach) -> Iterator[Hypothesis]:
+    reach = replace(reach, flows=flows_at(model, place), stiffness=stiffness_at(model, place))
     if isinstance(place, Between):
         reach = replace(reach, length=natural_length(model, place))
     tried = [law for law in _STRETCHED if law.at_rest or reach.speed > 0]
