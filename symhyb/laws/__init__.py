@@ -4,6 +4,7 @@ A new law is a new file and one name more in ``LAWS``; docs/add-a-law.md shows h
 """
 
 from symhyb.laws import (
+    added_inertia,
     added_mass,
     circulatory,
     constant,
@@ -55,6 +56,7 @@ LAWS: tuple[Law, ...] = (
     ripple.LAW,
     added_mass.LAW,
     payload.LAW,
+    added_inertia.LAW,
     mode.LAW,
     hydromount.LAW,
     curve.LAW,

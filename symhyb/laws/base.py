@@ -163,7 +163,7 @@ class Law:
     friction that can hold still, ``smoothed_over`` the key that says over which speed it turns
     over (where that is fitted, the law is bent). ``switch`` says as what an exact simulation treats
     its corner: a friction that *holds*, or a stop that *touches*. ``weighs``: gravity acts on its
-    mass.
+    mass; ``turns``: its mass is an inertia, and turns with the body to which its point is fixed.
 
     ``candidates`` are the shapes that are tried at a place, ``variants`` what is tried where one of
     them was found. ``at_rest``: candidates also where nothing moves.
@@ -200,6 +200,7 @@ class Law:
     smoothed_over: str = ""
     switch: Switch = ""
     weighs: bool = False
+    turns: bool = False
 
     candidates: Callable[[Reach], Iterable[Candidate]] = nothing_tried
     variants: Variants = no_variants

@@ -100,6 +100,18 @@ class Couple:
 
 
 @dataclass(frozen=True, slots=True)
+class Turning:
+    """An inertia that turns with a ``body``, by its ``angle``, in space with its angular velocity
+    ``omega`` (3,) in its own axes: T = mass·|ω|²/2, with the mass of the ``law``."""
+
+    element: str
+    body: str
+    angle: sp.Expr
+    omega: Vector
+    law: Action
+
+
+@dataclass(frozen=True, slots=True)
 class Mutual:
     """A law of a pair of stretches: the ``paths`` a and b by the coordinates, ``s`` and ``r`` the
     symbols of each and of its rate in the ``law``.
@@ -112,7 +124,7 @@ class Mutual:
     law: Coupling
 
 
-Acting = Term | Vectorial | Couple | Mutual
+Acting = Term | Vectorial | Couple | Turning | Mutual
 """What an element does, whatever its place."""
 
 
@@ -216,6 +228,8 @@ def _term(
         where = places.points[element.place.point]
         if element.kind == "torque":
             return _couple(model, element, places, values)
+        if KINDS[element.kind].turns:
+            return _turning(model, element, places, action_of(element, motion, values))
         return _vectorial(element, where, motion, values, places, gravity)
     path = stretch_of(model, element.place, places, symbols) - values.pop("length", ZERO)
     on = isinstance(element.place, On)
@@ -276,15 +290,26 @@ def _components(key: str, values: dict[str, sp.Expr], size: int) -> Vector:
 
 def _couple(model: Model, element: Element, places: Geometry, values: dict[str, sp.Expr]) -> Couple:
     """A torque on the body to which a point is fixed, in inertial axes unless it says whose."""
-    assert isinstance(element.place, At)
-    name = element.place.point
-    body = next(point.body for point in model.points if point.name == name)
+    body = _body_at(model, element)
     own, axes = places.attitude(body), element.option("axes", "")
     torque = _components("torque", values, 3)
     if axes != body:
         turned = along(places.attitude(axes).axes, torque) if axes else torque
         torque = across(own.axes, turned)
     return Couple(element.name, torque, own.omega)
+
+
+def _turning(model: Model, element: Element, places: Geometry, law: Action) -> Turning:
+    body = _body_at(model, element)
+    omega = places.attitude(body).omega if places.frames[body].attitude else ()
+    return Turning(element.name, body, places.frames[body].angle, omega, law)
+
+
+def _body_at(model: Model, element: Element) -> str:
+    """The body to which the point of an element is fixed."""
+    assert isinstance(element.place, At)
+    name = element.place.point
+    return next(point.body for point in model.points if point.name == name)
 
 
 def _outputs(model: Model, symbols: Symbols) -> tuple[sp.Expr, ...]:

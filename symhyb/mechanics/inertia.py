@@ -10,12 +10,12 @@ which are Lagrange's equations term by term. mass' is by places alone: what leav
 momentum along. What declared energies add follows from p = ∂T/∂v.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Couple, Equations, Mutual, Term, Vectorial
+from symhyb.mechanics.equations import Couple, Equations, Mutual, Term, Turning, Vectorial
 from symhyb.mechanics.rows import ONE, Named, Row, Short, Slopes, product
 from symhyb.mechanics.spinning import length, length_inertia
 from symhyb.mechanics.symbols import to_sympy
@@ -59,13 +59,19 @@ def _moving(equations: Equations) -> Iterator[Moving]:
         if isinstance(term, Couple | Mutual):
             continue
         if term.law is not None and term.law.mass != 0:
-            vector = isinstance(term, Vectorial)
-            for axis, path in zip("xyz" if vector else "s", _paths(term), strict=False):
+            for axis, path in _paths(term):
                 yield Moving(f"elements.{term.element}", axis, term.law.mass, path)
 
 
-def _paths(term: Term | Vectorial) -> tuple[sp.Expr, ...]:
-    return term.position if isinstance(term, Vectorial) else (term.path,)
+def _paths(term: Term | Turning | Vectorial) -> Iterable[tuple[str, sp.Expr]]:
+    """In what the mass of an element moves, each with its name; none of one that turns in space."""
+    match term:
+        case Term():
+            return (("s", term.path),)
+        case Vectorial():
+            return zip("xyz", term.position, strict=False)
+        case Turning():
+            return () if term.omega else (("angle", term.angle),)
 
 
 def effort(parts: tuple[Moving, ...], slopes: Slopes) -> int:

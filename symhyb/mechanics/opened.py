@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Vectorial
+from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Turning, Vectorial
 from symhyb.mechanics.laws import ZERO, Values, acting, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.model.expression import Operation
@@ -132,6 +132,8 @@ def _on_sides(model: Model, equations: Equations) -> Equations:
             return replace(term, law=replace(term.law, push=(first, second)))
         if isinstance(term, Vectorial):
             return replace(term, force=inside(term.force))
+        if isinstance(term, Turning):
+            return term
         law = term.law
         (force, stored), inner = inside((law.force, law.stored)), inside(law.inner)
         return replace(term, law=replace(law, force=force, stored=stored, inner=inner))

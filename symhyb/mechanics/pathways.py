@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Vectorial
+from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Turning, Vectorial
 from symhyb.mechanics.kinematics import stretch_of
 from symhyb.mechanics.rows import Named, Row, Short, Slopes, product
 from symhyb.mechanics.spinning import couple_force
@@ -80,6 +80,8 @@ def force_rows(
             continue
         if isinstance(term, Mutual):
             yield from _mutual_rows(source, term, equations, slopes)
+            continue
+        if isinstance(term, Turning):  # its inertia stands among those of bodies
             continue
         known = known_of(element, term, equations, slopes, names)
         if isinstance(term, Vectorial):

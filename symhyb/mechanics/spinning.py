@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from symhyb.mechanics.attitude import Vector, crossed, dotted, spun
-from symhyb.mechanics.equations import Equations
+from symhyb.mechanics.equations import Equations, Turning
 from symhyb.mechanics.rows import ONE, Named, Row, Slopes
 from symhyb.mechanics.tidy import along, terms
 from symhyb.model.types import Model
@@ -28,10 +28,12 @@ GUIDED, GUIDED_LEAST = sp.Integer(3), ONE  # as in symhyb.numeric.lowered.transl
 
 @dataclass(frozen=True, slots=True)
 class Spinning:
-    """A body in space: the tensor J (6,), its rate by places (``swelling``, 6) and its slopes by
-    each of them (``by``, n, 6), and of ω (3,) in its axes the ``slopes`` by each q' (n, 3), the
-    part of ω' that goes with q'' (``pull``) and the rest (``bias``)."""
+    """What turns with a ``body`` in space, the ``source`` of its rows: the tensor J (6,), its rate
+    by places (``swelling``, 6) and its slopes by each of them (``by``, n, 6), and of ω (3,) in its
+    axes the ``slopes`` by each q' (n, 3), the part of ω' that goes with q'' (``pull``) and the rest
+    (``bias``)."""
 
+    source: str
     body: str
     tensor: Vector
     swelling: Vector
@@ -43,22 +45,21 @@ class Spinning:
 
 
 def spinning_bodies(equations: Equations, slopes: Slopes) -> tuple[Spinning, ...]:
-    """All bodies that turn in space, in the order of the model file."""
+    """All that turns in space, bodies before elements, in the order of the model file."""
     symbols = equations.symbols
     by_rate = [along({v: ONE}) for v in symbols.v]
     with_pull = along(dict(zip(symbols.v, symbols.a, strict=True)))
     found = []
-    for mass in equations.masses:
-        if not any(mass.tensor):
-            continue
-        rates = {symbol: slopes.rate(angle) for symbol, angle in _rates(equations, mass.body)}
-        omega = tuple(part.xreplace(rates) for part in mass.omega)
+    for source, body, tensor, turned in _turning(equations):
+        rates = {symbol: slopes.rate(angle) for symbol, angle in _rates(equations, body)}
+        omega = tuple(part.xreplace(rates) for part in turned)
         found.append(
             Spinning(
-                mass.body,
-                mass.tensor,
-                tuple(map(slopes.moved, mass.tensor)),
-                tuple(tuple(map(by, mass.tensor)) for by in slopes.by),
+                source,
+                body,
+                tensor,
+                tuple(map(slopes.moved, tensor)),
+                tuple(tuple(map(by, tensor)) for by in slopes.by),
                 omega,
                 tuple(tuple(map(by, omega)) for by in by_rate),
                 tuple(map(with_pull, omega)),
@@ -66,6 +67,17 @@ def spinning_bodies(equations: Equations, slopes: Slopes) -> tuple[Spinning, ...
             )
         )
     return tuple(found)
+
+
+def _turning(equations: Equations) -> Iterator[tuple[str, str, Vector, Vector]]:
+    """Source, body, tensor (6,) and ω (3,) of all that turns in space."""
+    for mass in equations.masses:
+        if any(mass.tensor):
+            yield f"bodies.{mass.body}", mass.body, mass.tensor, mass.omega
+    for term in equations.terms:
+        if isinstance(term, Turning) and term.omega:
+            tensor = (*(term.law.mass,) * 3, *(sp.Integer(0),) * 3)
+            yield f"elements.{term.element}", term.body, tensor, term.omega
 
 
 def _rates(equations: Equations, body: str) -> tuple[tuple[sp.Symbol, sp.Expr], ...]:
@@ -111,7 +123,6 @@ def spin_rows(
 ) -> Iterator[Row]:
     """What turning in space gives to M (for ``matrices`` on and above its diagonal) and k_c."""
     for body in bodies:
-        source = f"bodies.{body.body}"
 
         def called(vector: Vector) -> Vector:
             return tuple(short.get(value, value) for value in vector)
@@ -126,13 +137,13 @@ def spin_rows(
             entries = [dotted(row, spun(body.tensor, other)) for other in lean]
             if matrices:
                 for j in range(i, len(lean)):
-                    yield Row("M", (i, j), source, entries[j])
+                    yield Row("M", (i, j), body.source, entries[j])
             elif compact is not None:
-                yield Row("M", (i,), source, dotted(row, compact))
+                yield Row("M", (i,), body.source, dotted(row, compact))
             else:
-                yield Row("M", (i,), source, dotted([tidy(x) for x in entries], symbols_a))
+                yield Row("M", (i,), body.source, dotted([tidy(x) for x in entries], symbols_a))
             lost = dotted(omega, spun(body.by[i], omega)) / 2
-            yield Row("k_c", (i,), source, tidy(dotted(row, force) - lost))
+            yield Row("k_c", (i,), body.source, tidy(dotted(row, force) - lost))
 
 
 def couple_force(torque: Vector, omega: Vector, slopes: Slopes) -> Iterator[sp.Expr]:

@@ -22,6 +22,7 @@ from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import At, Body, Element, Model, Vector
+from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE, Unit
 
 Values = dict[tuple[str, int] | str, NDArray[np.float64] | float]
@@ -177,13 +178,15 @@ def _inertia_faults(body: Body, model: Model) -> Iterator[Fault]:
 
 
 def _element_faults(element: Element, model: Model, size: int) -> Iterator[Fault]:
-    """A torque in space acts on the body to which its point is fixed."""
+    """A torque in space, and an inertia, belong to the body to which their point is fixed."""
     if not isinstance(element.place, At):
         return
     name = element.place.point
     point = next((item for item in model.points if item.name == name), None)
-    if element.kind == "torque" and size == 3 and point is not None and not point.body:
-        text = f"the point '{name}' is fixed to no body, so a torque there turns nothing"
+    turned = "a torque" if element.kind == "torque" and size == 3 else ""
+    turned = "an inertia" if KINDS[element.kind].turns else turned
+    if turned and point is not None and not point.body:
+        text = f"the point '{name}' is fixed to no body, so {turned} there turns nothing"
         yield ("elements", element.name, "at"), f"{text}; declare the point with its body"
 
 

@@ -23,7 +23,8 @@ from symhyb.units import ONE, Unit, parse_unit
 KINDS: Mapping[str, Law] = {law.name: law for law in LAWS}
 
 Words = tuple[tuple[str, str], ...]
-_INERTIA = {"N": "kg", "N*m": "kg*m^2"}  # unit of a mass by the unit of force
+# unit of a mass by the unit of force, and by the power of the stretch in the key
+_INERTIA = {("N", -1): "kg", ("N*m", -1): "kg*m^2", ("N", 1): "kg*m^2"}
 
 
 def key_of(kind: str, key: str) -> Key | None:
@@ -155,8 +156,8 @@ def key_unit(
     force, stretch = force_unit(model, place), stretch_unit(model, place)
     if element_kind == "torque" and isinstance(place, At):
         return parse_unit("N*m")
-    if declared.inertia and force.text in _INERTIA:
-        return parse_unit(_INERTIA[force.text])
+    if declared.inertia and (force.text, declared.stretch) in _INERTIA:
+        return parse_unit(_INERTIA[force.text, declared.stretch])
     n = Fraction(exponent).limit_denominator(12) if declared.exponent else Fraction(1)
     along = declared.stretch * n
     return _product((force, declared.force), (parse_unit("s"), declared.time), (stretch, along))

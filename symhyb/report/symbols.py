@@ -129,6 +129,7 @@ def _box(a: Array, b: Array, size: float) -> tuple[Array, Array]:
 
 
 _SYMBOLS: dict[str, Callable[[Array, Array, float], Lines]] = {
+    "added_inertia": _carried,
     "added_mass": _carried,
     "mode": _sprung,
     "payload": _carried,

@@ -22,12 +22,12 @@ GRID = np.linspace(-0.8, 0.8, 33)
 
 
 def force(kind: str, **keys: float) -> np.ndarray:
-    """F on a grid, of the stretch for springs, else of the rate."""
+    """F on a grid, of the stretch where it is conservative, else of the rate."""
     values = {key: sp.Float(value) for key, value in keys.items()}
     law = action_of(Element("it", kind, On("x"), ()), AT, values)
     function = sp.lambdify([S, RATE], law.force)
-    spring = kind == "spring"
-    return np.array([float(function(*((x, 0.0) if spring else (0.3, x)))) for x in GRID])
+    stored = KINDS[kind].energy == "conservative"
+    return np.array([float(function(*((x, 0.0) if stored else (0.3, x)))) for x in GRID])
 
 
 x = GRID
@@ -50,6 +50,7 @@ FORMULAS = [
         2 * np.tanh(x / 0.1) * (1 - 0.4 * np.sign(x)),
     ),
     ("constant", {"constant": -1.5}, -1.5 + 0 * x),
+    ("play", {"stiffness": 3.0, "clearance": 0.2}, -3 * np.clip(x, -0.2, 0.2)),
 ]
 
 
@@ -75,6 +76,7 @@ STORING = {
     "gap",
     "hysteresis",
     "friction_dynamic",
+    "play",
     "relaxation",
     "mode",
     "hydromount",
@@ -102,7 +104,7 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
     element = Element("it", kind, On("x"), (), options=options, curve=curve, map=grid)
     law = action_of(element, replace(AT, z=(Z, W)[: len(declared.states)]), one)
     assert len(law.inner) == len(law.rest) == len(declared.states)
-    assert (law.mass != 0) == (kind in ("added_mass", "payload"))
+    assert (law.mass != 0) == (kind in ("added_mass", "payload", "added_inertia"))
 
 
 def law(kind: str, options: tuple[tuple[str, str], ...] = (), **keys: float) -> Action:

@@ -79,6 +79,8 @@ shake = { kind = "harmonic", on = "y", amplitude = "c", frequency = "f0" }
 pull = { kind = "harmonic", at = "tip", amplitude = ["c", "2*c"], frequency = "f0" }
 drive = { kind = "force", at = "tip", force = ["u*x/l", "u"] }
 rope = { kind = "law", between = ["wall", "block"], tension = "c*cos(phi)" }
+ball = { kind = "added_inertia", at = "tip", inertia = "J/3" }
+loose = { kind = "play", on = "x", stiffness = "k", clearance = "h" }
 load = { kind = "mode", on = "x - y", mass = "m/4", frequency = "f0", damping_ratio = "e" }
 water = { kind = "added_mass", on = "x", mass = "m/3" }
 cable = { kind = "added_mass", between = ["wall", "tip"], mass = "m/5" }
@@ -202,6 +204,13 @@ def test_what_is_printed_is_what_the_machine_computes(path: Path) -> None:
 @pytest.mark.slow
 def test_every_kind_and_place_is_printed_as_it_is_computed() -> None:
     compare(parse_model(EVERY_KIND))
+
+
+def test_an_inertia_that_is_added_in_space_is_printed_as_it_is_computed() -> None:
+    ball = '[elements.ball]\nkind = "added_inertia"\nat = "unit"\ninertia = "A_c/3"\n'
+    gyroscope = next(path for path in MODELS if path.stem == "gyroscope")
+    text = gyroscope.read_text(encoding="utf-8")
+    compare(parse_model(f"{text}\n{ball}"), 3)
 
 
 @pytest.mark.parametrize("links", [2, 6])

@@ -34,10 +34,10 @@ nothing = { value = 0, unit = "m" }
 f = { unit = "N" }
 [points]
 a = ["0", "0"]
-b = ["x", "0"]
+b = { body = "block", at = ["0", "0"] }
 [bodies.block]
 mass = "m"
-at = "b"
+at = ["x", "0"]
 """
 HASH = "0123456789abcdef" * 4
 PLACES = {"on": On("x"), "between": Between("a", "b"), "at": At("b"), "pair": Pair("x", "phi")}

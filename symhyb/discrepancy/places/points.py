@@ -1,12 +1,12 @@
 """Laws at points: damping, drag, friction, mass and payload at a declared point of a machine that
-moves in its own way.
+moves in its own way, and inertia of the body to which it is fixed, if that turns in its own way.
 
 On one coordinate, and at a point that moves with one coordinate alone or with a sum of two that is
 a place, such a law is the same as one on the coordinate: the coordinate is named.
 Sizes: N samples, n coordinates, K points, Q places.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +15,11 @@ from symhyb.discrepancy.places.candidates import in_order
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.placements import places_of
 from symhyb.discrepancy.places.probing import proportional, pushed, states_about_start
-from symhyb.laws import LAWS
+from symhyb.laws import LAWS, added_inertia, added_mass
 from symhyb.laws.reach import Reach
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Element, Model, On, Parameter
-from symhyb.model.vocabulary import key_unit
+from symhyb.model.vocabulary import KINDS, key_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -28,6 +28,7 @@ from symhyb.numeric.lowered.manifold import closed, tangent
 PROBE = "at_point_"  # begins the names of the masses that only compare points
 PARALLEL = 1e-9  # relative: two points move the same
 _AT_POINTS = tuple(law for law in LAWS if law.passive and "at" in law.placements)
+MOVED, TURNED = added_mass.LAW.name, added_inertia.LAW.name  # what compares points, and bodies
 _NONE = np.empty(0)
 
 Motion = tuple[Array, Array, Array]
@@ -38,30 +39,42 @@ def point_hypotheses(
     model: Model, motions: Sequence[Motion], narrow: float
 ) -> tuple[Hypothesis, ...]:
     """Damper, drag, friction, added mass and, under gravity, payload at every point that moves in
-    its own way; ``narrow`` is the friction transition over the largest speed of the point along the
-    ``motions``: q, v (N, n) and t (N,), SI."""
-    points = moving_points(model)
+    its own way, and inertia of every body with a point that turns in its own way; ``narrow`` is the
+    friction transition over the largest speed of the point along the ``motions``: q, v (N, n) and
+    t (N,), SI."""
+    offered = [law for law in _AT_POINTS if model.gravity is not None or not law.weighs]
+    return tuple(
+        hypothesis
+        for probe, turns in ((MOVED, False), (TURNED, True))
+        for place, speed in _speeds(model, motions, probe)
+        for hypothesis in in_order(
+            [law for law in offered if law.turns == turns],
+            place,
+            Reach(_NONE, np.array([speed]), _NONE, _NONE, narrow=narrow),
+        )
+        if not (hypothesis.variant or hypothesis.bent)
+    )
+
+
+def _speeds(model: Model, motions: Sequence[Motion], probe: str) -> Iterator[tuple[At, float]]:
+    """The points of :func:`moving_points`, each with its largest speed (99 % of the samples are
+    slower), m/s or rad/s."""
+    points = moving_points(model, probe)
     if not points:
-        return ()
-    machine = _probed(model, points)
+        return
+    machine = _probed(model, points, probe)
     squares = [np.einsum("ni,knij,nj->kn", v, _inertias(machine, q, t), v) for q, v, t in motions]
     speeds = np.quantile(np.sqrt(np.concatenate(squares, axis=1)), 0.99, axis=1)
-    found: list[Hypothesis] = []
-    laws = [law for law in _AT_POINTS if model.gravity is not None or not law.weighs]
-    for place, speed in zip(points, speeds, strict=True):
-        if speed <= 0:
-            continue
-        reach = Reach(_NONE, np.array([float(speed)]), _NONE, _NONE, narrow=narrow)
-        found += [h for h in in_order(laws, place, reach) if not (h.variant or h.bent)]
-    return tuple(found)
+    yield from ((place, float(one)) for place, one in zip(points, speeds, strict=True) if one > 0)
 
 
-def moving_points(model: Model) -> tuple[At, ...]:
-    """The points that move, each once, but neither as one coordinate does nor as another point."""
+def moving_points(model: Model, probe: str = MOVED) -> tuple[At, ...]:
+    """The points that move, each once, but neither as one coordinate does nor as another point. By
+    the ``probe`` of what turns, the points whose bodies turn so."""
     if len(model.coordinates) < 2 or not model.points:
         return ()
-    places = tuple(At(point.name) for point in model.points)
-    probed = _probed(model, places)
+    places = tuple(At(point.name) for point in model.points if probe == MOVED or point.body)
+    probed = _probed(model, places, probe)
     q, _, times = states_about_start(probed)
     if probed.constraints:
         return tuple(places[i] for i in _moving_closed(probed, q, times))
@@ -115,21 +128,21 @@ def _of_one(inertia: Array, size: float) -> bool:
     return same and float(np.abs(rest).max()) < PARALLEL * size
 
 
-def _probed(model: Model, places: Sequence[At]) -> Machine:
-    """The model with one mass, 0 kg, at each place, behind all its elements."""
-    probes = []
+def _probed(model: Model, places: Sequence[At], probe: str) -> Machine:
+    """The model with one mass, 0 kg, at each place, behind all its elements; or an inertia."""
+    probes, key = [], KINDS[probe].strengths[0]
     for i, place in enumerate(places):
         name = f"{PROBE}{i}"
-        mass = Parameter("mass", 0.0, key_unit(model, "added_mass", "mass", place), owner=name)
-        entries = (("mass", parse_expression("mass")),)
-        probes.append(Element(name, "added_mass", place, entries, (mass,)))
+        nothing = Parameter(key, 0.0, key_unit(model, probe, key, place), owner=name)
+        probes.append(Element(name, probe, place, ((key, parse_expression(key)),), (nothing,)))
     return build(replace(model, elements=(*model.elements, *probes)), keep=False)
 
 
 def _inertias(machine: Machine, q: Array, t: Array) -> Array:
-    """JᵀJ (K, N, n, n) of each probed point: what a mass of 1 kg there adds to the mass matrix."""
-    places = [e.name for e in machine.model.elements if e.name.startswith(PROBE)]
-    columns = [machine.column(f"{name}.mass") for name in places]
+    """JᵀJ (K, N, n, n) of each probed point: what a mass of 1 kg there, or an inertia of 1 kg·m²,
+    adds to the mass matrix."""
+    probes = [e for e in machine.model.elements if e.name.startswith(PROBE)]
+    columns = [machine.column(f"{e.name}.{KINDS[e.kind].strengths[0]}") for e in probes]
     shape = (t.size, machine.n, machine.n)
 
     def mass(p: Array) -> Array:

@@ -12,11 +12,20 @@ import casadi as ca
 import sympy as sp
 
 from symhyb.mechanics.attitude import Vector, matrix_of
-from symhyb.mechanics.equations import Acting, Couple, Equations, Mass, Mutual, Term, Vectorial
+from symhyb.mechanics.equations import (
+    Acting,
+    Couple,
+    Equations,
+    Mass,
+    Mutual,
+    Term,
+    Turning,
+    Vectorial,
+)
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.mechanics.tabulated import MappedBase, TabulatedBase
-from symhyb.model.expression import Reading
 from symhyb.numeric.lowered import links
+from symhyb.numeric.lowered.instruments import shown_by
 from symhyb.numeric.lowered.tables import fold, on_surface, picked
 
 SUMS_KEPT = 16  # enough for the few sums that a link of a chain adds
@@ -126,12 +135,13 @@ def _power(base: ca.SX, exponent: sp.Expr, lowered: ca.SX) -> ca.SX:
 class Lowered:
     """The equations of a model as SX.
 
-    Symbols q, v, a (n), z (declared states, then inner states), u (k), p (P), t; on them T, V, and
-    a row an element: generalized forces (each (n, 1)), stored energies, pathways (stretch, rate,
-    direction; None at points and of pairs), scalar forces F (by name; of those with a pathway), and
-    of z (nz, 1) the rates z' (``inner``) and the values at ``rest``, of declared states those at
-    the start. ``guidance`` (n, 1) keeps quaternions at length 1. In T the masses are those at the
-    time ``when``: mass that leaves takes its momentum along, so that T is not differentiated by it.
+    Symbols q, v, a (n), z (declared states, then inner states), u (k), p (P), t; on them T, V,
+    ``gravity`` (m/s²), and a row an element: generalized forces (each (n, 1)), stored energies,
+    pathways (stretch, rate, direction; None at points and of pairs), scalar forces F (by name; of
+    those with a pathway), and of z (nz, 1) the rates z' (``inner``) and the values at ``rest``, of
+    declared states those at the start. ``guidance`` (n, 1) keeps quaternions at length 1. In T the
+    masses are those at the time ``when``: mass that leaves takes its momentum along, so that T is
+    not differentiated by it.
     """
 
     def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
@@ -152,7 +162,8 @@ class Lowered:
         for names, column in rows:
             pairs.update({name: column[i] for i, name in enumerate(names)})
         self._lower, self._weigh = Lowering(pairs), Lowering({**pairs, s.t: self.when})
-        self._equations = equations
+        self._equations, self.places = equations, equations.places
+        self.gravity = self._column_of(equations.gravity)
         self.kinetic = self._lower(equations.kinetic)
         self.potential = self._lower(equations.potential)
         self.guidance = ca.SX(len(s.q), 1)
@@ -176,6 +187,8 @@ class Lowered:
                 self._add_couple(term)
             elif isinstance(term, Mutual):
                 self._add_mutual(term)
+            elif isinstance(term, Turning):
+                self._add_turning(term)
             else:
                 self._add_term(term, (networks or {}).get(term.element))
                 inner += map(self._lower, term.law.inner)  # in the order of the elements, as z is
@@ -225,14 +238,13 @@ class Lowered:
     def outputs(self, reaction: ca.SX, coordinates: Sequence[str]) -> ca.SX:
         """What the sensors read (m, 1); ``reaction`` (n, 1) drives the ``coordinates``."""
         for reading in self._equations.readings:
-            value = self._reading(reading, reaction, coordinates)
+            value = shown_by(self, reading, reaction, coordinates)
             self._lower.define(reading_symbol(reading), value)
         return _column([self._lower(output) for output in self._equations.outputs])
 
     def _add_mass(self, body: Mass) -> None:
         mass, centre = self._weigh(body.mass), self._column_of(body.centre)
-        gravity = self._column_of(self._equations.gravity)
-        self.potential -= self._lower(body.mass) * ca.dot(gravity, centre)
+        self.potential -= self._lower(body.mass) * ca.dot(self.gravity, centre)
         if body.link is None:
             self.kinetic += mass * ca.sumsqr(self._rate(body.centre)) / 2
             if body.inertia != 0:
@@ -304,6 +316,14 @@ class Lowered:
         self.pathways.append(None)
         self._carry(ca.SX(0))
 
+    def _add_turning(self, term: Turning) -> None:
+        """An inertia exerts nothing but by its acceleration."""
+        self.forces.append(ca.SX(len(self._equations.symbols.q), 1))
+        self.stored.append(ca.SX(0))
+        self.pathways.append(None)
+        omega = self._column_of(term.omega) if term.omega else self._rate([term.angle])
+        self._carry(self._lower(term.law.mass) * ca.sumsqr(omega) / 2)
+
     def _add_mutual(self, term: Mutual) -> None:
         """Two stretches that act on each other: Q = (∂a/∂q)ᵀ·push_a + (∂b/∂q)ᵀ·push_b."""
         paths, rates = self._column_of(term.paths), self._rate(term.paths)
@@ -321,45 +341,6 @@ class Lowered:
         self.carried.append(energy)
         self.kinetic += energy
 
-    def _reading(self, reading: Reading, reaction: ca.SX, coordinates: Sequence[str]) -> ca.SX:
-        """One instrument; an accelerometer shows the specific force a − g in the axes of a body:
-
-        y' ^   ^ x'
-            \\ /   angle        resting upright (x' up): accelerometer_x = +9.81 m/s²
-             o
-        """
-        places, names = self._equations.places, reading.names
-        match reading.what:
-            case "force":
-                return self.strengths[names[0]]
-            case "reaction":
-                return reaction[coordinates.index(names[0])]
-            case "orientation" | "gyroscope":
-                angle = self._lower(places.frames[names[0]].angle)
-                return angle if reading.what == "orientation" else self.rate(angle)
-            case "gyroscope_x" | "gyroscope_y" | "gyroscope_z":
-                return self._lower(places.attitude(names[0]).omega["xyz".index(reading.what[-1])])
-            case "position_x" | "position_y" | "position_z":
-                return self._lower(places.points[names[0]]["xyz".index(reading.what[-1])])
-            case "accelerometer_x" | "accelerometer_y" | "accelerometer_z":
-                return self._specific_force(names[0], names[1], reading.what[-1])
-        first, second = (ca.vertcat(*map(self._lower, places.points[name])) for name in names)
-        if reading.what == "distance":
-            return ca.norm_2(second - first)
-        return ca.atan2(second[1] - first[1], second[0] - first[0])
-
-    def _specific_force(self, point: str, body: str, axis: str) -> ca.SX:
-        places = self._equations.places
-        velocity = self.rate(ca.vertcat(*map(self._lower, places.points[point])))
-        pull = self.rate(velocity) + ca.jtimes(velocity, self.v, self.a)
-        felt = pull - ca.vertcat(*map(self._lower, self._equations.gravity))
-        if places.frames[body].attitude is not None:
-            column = tuple(row["xyz".index(axis)] for row in places.attitude(body).axes)
-            return ca.dot(self._column_of(column), felt)
-        angle = self._lower(places.frames[body].angle)
-        c, s = ca.cos(angle), ca.sin(angle)
-        return c * felt[0] + s * felt[1] if axis == "x" else c * felt[1] - s * felt[0]
-
 
 def _moved_by(term: Acting) -> tuple[sp.Expr, ...]:
     """The positions whose rates an element needs."""
@@ -370,6 +351,8 @@ def _moved_by(term: Acting) -> tuple[sp.Expr, ...]:
             return tuple(term.position)
         case Mutual():
             return term.paths
+        case Turning():
+            return () if term.omega else (term.angle,)
         case Couple():
             return ()
 
