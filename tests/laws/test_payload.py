@@ -17,6 +17,7 @@ from symhyb.numeric.lowered.machine import Machine, build
 
 Array = NDArray[np.float64]
 MASS, LENGTH, GRAVITY, CARRIED = 1.0, 0.7, 9.81, 0.4
+TURNING, BALL = 0.01, 0.004  # of the forearm, of what it carries, kg·m²
 Q, V = np.array([0.3, 0.8]), np.array([1.0, -2.0])
 ARM = f"""symhyb = 1
 gravity = ["0", "-g"]
@@ -99,8 +100,17 @@ def test_it_is_tried_where_there_is_gravity() -> None:
         assert found == ({At("hand")} if gravity else set())
 
 
-def recorded(seed: int) -> sh.Recording:
-    """The arm with a load, by SciPy from equations by hand."""
+def turning_arm() -> Machine:
+    """The same arm, whose forearm has a small inertia, and the hand fixed to it."""
+    where = '["l*sin(a) + l*sin(a + b)", "-l*cos(a) - l*cos(a + b)"]'
+    text = ARM.replace(f"hand = {where}", 'hand = { body = "fore", at = ["0", "0"] }')
+    text = text.replace('at = "hand"', f'at = {where}\nangle = "a + b"\ninertia = "j"')
+    number = f'j = {{ value = {TURNING}, unit = "kg*m^2" }}\n'
+    return build(parse_model(text.replace("[inputs]", f"{number}[inputs]"), "arm.toml"))
+
+
+def recorded(seed: int, inertia: float = 0.0) -> sh.Recording:
+    """The arm with a load, by SciPy from equations by hand; the forearm has an ``inertia``."""
     random = np.random.default_rng(seed)
     t = 0.01 * np.arange(800)
     speeds, turns = random.uniform(1, 8, (2, 4)), random.uniform(0, 6, (2, 4))
@@ -117,11 +127,11 @@ def recorded(seed: int) -> sh.Recording:
         s, c = LENGTH * np.sin([a, a + b]), LENGTH * np.cos([a, a + b])
         turned = np.array([va, va + vb]) ** 2
         bent = np.array([-s * turned, c * turned])  # of each link, towards its hinge
-        inertia = masses[0] * first.T @ first + masses[1] * last.T @ last
+        mass = masses[0] * first.T @ first + masses[1] * last.T @ last + inertia
         down = np.array([0, -GRAVITY])
         pull = masses[0] * first.T @ (down - bent[:, 0])
         pull += masses[1] * last.T @ (down - bent.sum(axis=1))
-        return np.concatenate([x[2:], np.linalg.solve(inertia, push(now) + pull)])
+        return np.concatenate([x[2:], np.linalg.solve(mass, push(now) + pull)])
 
     run = solve_ivp(rates, t[[0, -1]], [0.3, 0.2, 0, 0], t_eval=t, rtol=1e-10, atol=1e-10)
     torques = np.array([push(now) for now in t])
@@ -144,3 +154,16 @@ def test_a_load_in_the_hand_is_named_and_nothing_else() -> None:
     assert mass.value == pytest.approx(CARRIED, rel=0.01)
     assert abs(mass.value - CARRIED) < 3 * mass.sd
     assert "a payload of 0.3999" in found.sentence
+
+
+@pytest.mark.slow
+def test_a_load_that_is_no_point_has_an_inertia_of_its_own() -> None:
+    runs = [recorded(seed, TURNING + BALL) for seed in (1, 2)]
+    diagnosis = sh.diagnose(turning_arm().model, *runs)
+    found = {one.element.kind: one for one in diagnosis.found}
+    assert found.keys() == {"payload", "added_inertia"}
+    for kind, true in (("payload", CARRIED), ("added_inertia", BALL)):
+        (number,) = found[kind].estimates
+        assert found[kind].element.place == At("hand")
+        assert abs(number.value - true) < 3 * number.sd < 0.1 * true
+    assert "added inertia of" in diagnosis.sentence
