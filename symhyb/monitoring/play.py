@@ -5,7 +5,7 @@ It lacks k p sgn s of what the model says, to first order in p: one column of un
 """
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.discrepancy.places.standing import stiffness_at
+from symhyb.discrepancy.places.stiffness import stiffness_at
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import stretch_unit

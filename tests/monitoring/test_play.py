@@ -8,7 +8,6 @@ from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.places.standing import stiffness_at
 from symhyb.model.read import parse_model
 from symhyb.model.types import On
 from symhyb.monitoring.events import Event
@@ -74,8 +73,6 @@ def test_a_place_with_springs_of_a_known_stiffness_may_have_play() -> None:
     (play,) = plays(model)
     assert play.place == On("a - b")
     assert play_phrase(play) == "play in the spring on a − b"
-    assert stiffness_at(model, On("a - b")) == pytest.approx(5.0)
-    assert stiffness_at(model, On("a")) == 0.0
 
 
 def test_the_clearance_is_in_the_unit_of_the_stretch() -> None:

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
-from symhyb.discrepancy.places.standing import alike, flows_at, stiffness_at
+from symhyb.discrepancy.places.standing import alike, flows_at
+from symhyb.discrepancy.places.stiffness import stiffness_at
 from symhyb.laws import LAWS
 from symhyb.laws.base import STRETCHED, Law
 from symhyb.laws.reach import TRANSITION_SHARE, Candidate, Reach

@@ -5,7 +5,6 @@ from collections.abc import Collection, Sequence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import quantities_of
 from symhyb.model.expression import names
-from symhyb.model.scope import constant_of
 from symhyb.model.types import Element, Model, Place
 from symhyb.model.vocabulary import KINDS, stretch_unit
 from symhyb.units import parse_unit
@@ -14,18 +13,6 @@ from symhyb.units import parse_unit
 def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
     """The elements of a model of one kind at one place."""
     return tuple(one for one in model.elements if one.kind == kind and one.place == place)
-
-
-def stiffness_at(model: Model, place: Place) -> float:
-    """The linear stiffness, SI, of all springs at a place; 0 where an input, a state or the time
-    changes one of them."""
-    stated = [
-        constant_of(text, model, one.parameters)
-        for one in alike(model, "spring", place)
-        if (text := one.value("stiffness"))
-    ]
-    known = [one for one in stated if one is not None]
-    return sum(known) if len(known) == len(stated) else 0.0
 
 
 def inputs_of_elements(model: Model) -> tuple[str, ...]:
