@@ -43,6 +43,7 @@ def spring(name: str, place: str, stiffness: str) -> str:
         (f"{SHAFT} + hold*a**2/2", 4.0, 2.5, 1 / (1 / 4.0 + 1 / 2.5)),
         ("hold*a**2/2", 0.0, 2.5, 0.0),
         (f"-{SHAFT}", 0.0, 0.0, 0.0),
+        ("hold/b**2", 0.0, 0.0, 0.0),  # infinite at the start
         ("", 0.0, 0.0, 0.0),
     ],
 )

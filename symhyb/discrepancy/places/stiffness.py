@@ -32,7 +32,7 @@ def stiffness_at(model: Model, place: Place) -> float:
 def _declared(model: Model, place: On) -> float:
     """k of the potential ½ k s² in the stretch s that a declared potential V holds: the force along
     s alone by what it moves, 1/(dᵀ H⁻¹ d) with H = ∂²V/∂q² and d = ∂s/∂q; 0 where V does not
-    resist s."""
+    resist s, or has no curvature at the start."""
     potential = model.energy.potential
     if potential is None:
         return 0.0
@@ -42,6 +42,8 @@ def _declared(model: Model, place: On) -> float:
         return 0.0
     moved = [one.name for one in model.coordinates]
     curved, way = _curvature(potential, at, moved), _slope(place.expression, at, moved)
+    if not np.isfinite(curved).all():
+        return 0.0
     given = np.linalg.lstsq(curved, way, rcond=NOWHERE)[0]
     if not np.allclose(curved @ given, way, rtol=0.0, atol=NOWHERE * float(np.abs(way).max())):
         return 0.0
