@@ -166,30 +166,88 @@ def test_a_payload_and_the_delay_are_named(study: ModuleType, tmp_path: Path) ->
 
 @pytest.mark.thorough
 def test_play_in_a_gear_is_named_beside_the_delay(study: ModuleType, tmp_path: Path) -> None:
-    """Without an sd of the file's stiffness, what is missing is a spring of the opposite sign."""
     diagnosis = study.diagnosed(study.CASES["play"], tmp_path).diagnosis
     assert diagnosis.verdict == "missing physics"
-    found = {one.element.kind: one for one in diagnosis.found}
-    assert {*found} == {"gap", "spring"}
-    assert {one.element.place for one in diagnosis.found} == {On("gear")}
-    assert found["gap"].clearance.value == pytest.approx(5e-3, rel=0.003)
-    assert found["spring"].stiffness.value == pytest.approx(-400, rel=0.005)
+    (play,) = diagnosis.found
+    assert (play.element.kind, play.element.place) == ("play", On("gear"))
+    assert play.clearance.value == pytest.approx(5e-3, rel=0.003)
+    assert play.stiffness.value == pytest.approx(400, rel=0.005)
     assert_one_delay(diagnosis, "shoulder", "elbow")
 
 
 @pytest.mark.thorough
-def test_a_ball_in_the_hand_is_named_beside_its_own_inertia(
+def test_a_ball_in_the_hand_is_named_with_its_own_inertia(
     study: ModuleType, tmp_path: Path
 ) -> None:
-    """No law has the inertia of the ball itself: what else is named is as small as that."""
     answer = study.diagnosed(study.CASES["payload"], tmp_path)
-    found = {(one.element.kind, one.element.place): one for one in answer.diagnosis.found}
-    payload = found.pop(("payload", At("hand")))
-    assert payload.mass.value == pytest.approx(0.4, rel=0.005)
-    for (kind, place), one in found.items():
-        assert kind == "added_mass"
-        arm = 0.3 if place == At("hand") else 1.0
-        assert one.mass.value * arm**2 < 2e-4
+    found = {one.element.kind: one for one in answer.diagnosis.found}
+    assert found.keys() == {"payload", "added_inertia"}
+    assert {one.element.place for one in found.values()} == {At("hand")}
+    assert found["payload"].mass.value == pytest.approx(0.4, rel=0.005)
+    assert found["added_inertia"].inertia.value == pytest.approx(0.4 * 0.4 * 0.03**2, rel=0.02)
+    assert_one_delay(answer.diagnosis, "base", "shoulder", "elbow")
     scores = answer.verdict.to_frame()
     windows = scores[scores.score == "window_rmse"]
     assert (windows.after < 1e-4).all()
+
+
+LIKE_PUSHER = """<mujoco>
+  <option gravity="0 0 0"/>
+  <worldbody>
+    <body name="r_shoulder_pan_link">
+      <joint name="r_shoulder_pan_joint" axis="0 0 1" armature="0.04"/>
+      <geom size="0.1" mass="2"/>
+      <body name="r_shoulder_lift_link">
+        <joint name="r_shoulder_lift_joint" axis="0 1 0" armature="0.04"/>
+        <joint name="roll" axis="1 0 0"/>
+        <geom size="0.1" pos="0.2 0 0" mass="2"/>
+        <body name="r_elbow_flex_link" pos="0.4 0 0">
+          <joint name="r_elbow_flex_joint" axis="0 1 0" armature="0.04"/>
+          <geom size="0.05" pos="0.1 0 0" mass="1"/>
+          <body name="r_wrist_flex_link" pos="0.3 0 0">
+            <joint name="r_wrist_flex_joint" axis="0 1 0" armature="0.04"/>
+            <geom size="0.03" mass="0.2"/>
+          </body>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <motor joint="r_shoulder_pan_joint"/>
+    <motor joint="r_shoulder_lift_joint"/>
+    <motor joint="roll"/>
+    <motor joint="r_elbow_flex_joint"/>
+    <motor joint="r_wrist_flex_joint"/>
+  </actuator>
+</mujoco>"""
+
+
+def test_what_is_concealed_in_the_arm_of_a_package_is_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = tmp_path / "robot.xml"
+    robot.write_text(LIKE_PUSHER, encoding="utf-8")
+    with scripts("mujoco_arm", ("recordings", "pusher")) as found:
+        pusher, recordings = found["pusher"], found["recordings"]
+        monkeypatch.setattr(pusher, "owners_file", lambda: robot)
+        monkeypatch.setitem(recordings.SECONDS, "train", 0.4)
+        for name, case in pusher.cases(tmp_path).items():
+            given = recordings.real_arm(case.arm, None)
+            real = recordings.real_arm(case.arm, case.change)
+            joints = [given.joint(k).name for k in range(given.njnt)]
+            assert joints == [*case.arm.joints]  # no joint that rolls
+            assert given.nu == real.nu == 4
+            elbow = joints.index("r_elbow_flex_joint")
+            concealed = {
+                "friction": real.dof_frictionloss[elbow],
+                "load": real.body_mass.sum() - given.body_mass.sum(),
+                "play": max(given.jnt_stiffness) - max(real.jnt_stiffness),
+            }
+            true = {"friction": 0.15, "load": 0.15, "play": 150.0}
+            there = {*true} if name == "all" else {name}
+            assert concealed == pytest.approx({k: true[k] * (k in there) for k in true})
+            run = recordings.record(case, "train")
+            assert all(np.abs(run[f"{joints[k]}_torque"]).max() <= 2 for k in case.arm.driven)
+            model = recordings.owners_model(case, tmp_path / "model.toml")
+            assert [one.name for one in model.coordinates] == joints
+            assert [one.name for one in model.points] == ["tips"]
