@@ -19,7 +19,7 @@ from symhyb.model.types import Energy, Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered import cache
-from symhyb.numeric.lowered.dependence import DEPENDENT, dependent, idle
+from symhyb.numeric.lowered.dependence import DEPENDENT, constraint_of, dependent, idle
 
 CLOSED = 1e-12  # of the size of the motion: what rounding leaves open
 STEPS_MOST = 60
@@ -296,16 +296,17 @@ def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:
     worst = int(np.argmax(np.abs(gap)))
     name = gaps.labels[worst].split(".")[0]
     generic = _contradicted(gaps, q)
+    related = dict.fromkeys(constraint_of(gaps.labels[i]) for i in generic.get(worst, ()))
+    others = [other for other in related if other != name]
     where = _places_text(gaps.model, q)
     if worst in generic and not generic[worst]:
         text = (
             f"nothing moves along {gaps.labels[worst]}, and there it is off by "
             f"{abs(gap[worst]):.4g} (SI); let both lie in the plane of the motion"
         )
-    elif worst in generic:
-        others = " and ".join(dict.fromkeys(gaps.labels[i].split(".")[0] for i in generic[worst]))
+    elif others:
         text = (
-            f"contradicts constraints.{others}: where that holds, this one is off by "
+            f"contradicts constraints.{' and '.join(others)}: where that holds, this one is off by "
             f"{np.abs(gap).max():.4g} (SI) whatever moves; leave one of them out"
         )
     else:
