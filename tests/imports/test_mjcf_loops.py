@@ -217,6 +217,21 @@ def test_ends_that_are_drawn_apart_are_brought_together() -> None:
     assert "from the constraints: the start of rod is" in said[-1]
 
 
+def test_hinges_that_are_parallel_to_six_digits_do_not_lock_a_loop() -> None:
+    nearly = FOUR.replace('<body name="rocker"', '<body name="rocker" euler="4e-6 0 0"')
+    _, model = imported(mjcf(nearly, KNEE), Order(at=("crank=1",)))
+    machine = build(model, keep=False)
+    exact = build(imported(mjcf(FOUR, KNEE), Order(at=("crank=1",)))[1], keep=False)
+    assert machine.constraints == exact.constraints == 2
+    starts = [np.array(one.model.start()[0]) for one in (machine, exact)]
+    assert np.abs(starts[0] - starts[1]).max() < 1e-9
+    a = [
+        accelerations(one, q, 0 * q, 0 * q + 1)
+        for one, q in zip((machine, exact), starts, strict=True)
+    ]
+    assert np.abs(a[0] - a[1]).max() < 1e-4 * np.abs(a[1]).max()
+
+
 def test_the_file_says_that_it_holds_exactly() -> None:
     text = imported(mjcf(FOUR, KNEE))[1].text
     assert "# holds exactly; in MuJoCo by a soft force\n[constraints.knee]\n" in text

@@ -160,6 +160,24 @@ def test_a_loop_whose_ends_lie_in_two_planes_cannot_close() -> None:
     assert "nothing moves along knee.z, and there it is off by 0.022 (SI)" in problem.text
 
 
+def tilted(angle: str) -> str:
+    """The rocker turns about an axis that is not quite that of the crank."""
+    return in_space().replace('[["z", "gamma"]]', f'[["x", "{angle}"], ["z", "gamma"]]')
+
+
+def test_hinges_that_are_nearly_parallel_move_as_in_the_plane() -> None:
+    """As where a file has 1.5708 for a right angle: to the last digit the loop would lock."""
+    machine = build(parse_model(tilted("1e-4")))
+    assert machine.constraints == 2
+    said = "constraints.knee.z is nearly zero wherever the machine moves and is left out"
+    assert said in machine.notes
+    found, flat = run(machine), plane()
+    assert found.complete
+    np.testing.assert_allclose(found.q, flat.q, atol=5e-6)
+    with pytest.raises(InputError, match=r"constraints\.knee: the loop cannot be closed"):
+        build(parse_model(tilted("1e-2")))
+
+
 def test_a_part_that_is_driven_holds_nothing_that_could_give_way() -> None:
     with pytest.raises(InputError, match=r"constraints\.knee: holds nothing that is free to move"):
         build(parse_model(in_space(offset="0.001*d*sin(t/(1 s))")))
