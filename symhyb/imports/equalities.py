@@ -76,9 +76,9 @@ def _hold_joint(model: Compiled, row: int, held: Held, taken: set[str], about: s
     """A joint that follows another, or stands."""
     ids = [model.index(f"eq_obj{end}id", row) for end in (1, 2)]
     first, second = (model.joints[one] if one >= 0 else "" for one in ids)
-    zeros = [float(model.arrays["qpos0"][model.index("jnt_qposadr", one)]) for one in ids]
+    places = [float(model.arrays["qpos0"][model.index("jnt_qposadr", one)]) for one in ids]
     bent = Polynomial(model.arrays["eq_data"][row][:5])
-    whole = bent(Polynomial([-zeros[1], 1.0])) + zeros[0]
+    whole = bent(Polynomial([-places[1] if second else 0.0, 1.0])) + places[0]
     coefficients = [*(float(part) for part in whole.coef), 0.0][: 5 if second else 1]
     alone = first not in held.mimics and first not in held.locked
     if alone and not second:
@@ -89,11 +89,9 @@ def _hold_joint(model: Compiled, row: int, held: Held, taken: set[str], about: s
         held.mimics[first] = Mimic(second, coefficients[1], coefficients[0])
     else:
         name = _name(model, row, (first, second), taken)
-        first_unit, second_unit = (
-            "m" if model.index("jnt_type", k) == _SLIDE else "rad" for k in ids
-        )
-        units = first_unit, second_unit
-        held.relations.append(Relation(name, first, second, tuple(coefficients), units))
+        unit, other = ("m" if model.index("jnt_type", k) == _SLIDE else "rad" for k in ids)
+        relation = Relation(name, first, second, tuple(coefficients), (unit, other))
+        held.relations.append(relation)
 
 
 def _followed(joint: str, mimics: Mapping[str, Mimic]) -> Iterator[str]:
@@ -130,11 +128,8 @@ def _hold_bodies(model: Compiled, row: int, held: Held, taken: set[str]) -> None
     whole = model.arrays["eq_type"][row] == _WELD and model.arrays["eq_data"][row][10] != 0
     joints = _between(model, first, second)
     here, there = _drawn(model, first).then(one), _drawn(model, second).then(other)
-    lone = [
-        model.joints[k] for k in joints if len(joints) == 1 and model.joints[k] not in held.mimics
-    ]
-    if whole and lone and _same(here, there):
-        (joint,) = lone
+    joint = model.joints[joints[0]] if len(joints) == 1 else ""
+    if whole and joint and joint not in held.mimics and _same(here, there):
         held.locked[joint] = float(model.arrays["qpos0"][model.index("jnt_qposadr", joints[0])])
         held.notes.append(f"the weld '{name}' locks the joint '{joint}'")
         return

@@ -73,6 +73,7 @@ MACHINES = {
     "two arms": (mjcf(ARMS, '<weld body1="c" body2="h"/>'), 1),
     "parallel": (mjcf(PARALLEL, '<weld body1="b" body2="e" anchor="0 0.1 0.2"/>'), 1),
     "to the world": (mjcf(PARALLEL, '<connect body1="b" anchor="0.1 0 0.1"/>'), 2),
+    "turned": (mjcf(PARALLEL, '<weld body1="b" body2="e" relpose=".45 0 .1 1 0 .1 0"/>'), 1),
     "a weld without torques": (mjcf(FOUR, '<weld site1="end" site2="top" torquescale="0"/>'), 1),
     "a polynomial": (mjcf(CAM, POLYNOMIAL), 1),
 }
@@ -297,6 +298,13 @@ def test_a_joint_that_follows_one_that_is_locked_stands_where_that_puts_it() -> 
     model = imported(text)[1]
     assert [c.name for c in model.coordinates] == ["rocker"]
     assert "Locked: crank at 0.3, rod at 0.7." in model.text
+
+
+def test_a_joint_that_is_held_alone_is_held_from_where_it_is_drawn() -> None:
+    """MuJoCo's polynomial has a slope of 1 unless it is said, which then counts for nothing."""
+    robot = parse_mjcf(mjcf(CAM, '<joint joint1="cam"/>').encode(), "f.xml")
+    (cam,) = (one for one in robot.joints if one.name == "cam")
+    assert cam.held == 0.2
 
 
 def test_a_loop_that_is_rigid_is_said_to_hold_nothing() -> None:
