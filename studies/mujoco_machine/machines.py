@@ -1,12 +1,12 @@
 """Machines of MuJoCo with what a model file has no words for, and what is concealed in them.
 
 A tendon over a pulley (one joint, two joints), a contact that bears (press) and one that opens
-(hammer), and a loop that an equality closes. MuJoCo records them, by Runge-Kutta of order 4 with
-steps of 0.1 ms, at 250 Hz with noise.
+(hammer), and a loop that an equality closes, softly as by default (loop) or as hard as it gets
+(tight). MuJoCo records them, by Runge-Kutta of order 4 with steps of 0.1 ms, at 250 Hz with noise.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import symhyb as sh
+from symhyb.imports.deliver import Order, deliver
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,7 @@ LOOP = f"""{HEAD}<worldbody>
   <geom type="capsule" fromto="0 0 0 0 0 0.2" size="0.01" mass="0.3"/></body></worldbody>
 <equality><connect body1="coupler" body2="rocker" anchor="0.3 0 0.1"/></equality>
 <actuator><motor name="drive" joint="crank"/></actuator></mujoco>"""
+TIGHT = f'solref="{2 * STEP_S} 1" solimp="0.9999 0.9999 0.001"'
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +109,7 @@ MACHINES = {
         0.03,
     ),
 }
+MACHINES["tight"] = replace(MACHINES["loop"], xml=LOOP.replace("<connect", f"<connect {TIGHT}"))
 
 
 def real(machine: Machine, concealed: str) -> Any:
@@ -163,3 +166,11 @@ def short_model(machine: Machine, folder: Path) -> sh.Model:
     parts = ("\n".join((f"[{key}]", *lines)) for key, lines in tables.items())
     (folder / "machine.toml").write_text("\n\n".join(("symhyb = 1", *parts)) + "\n")
     return sh.read_model(folder / "machine.toml")
+
+
+def imported_model(machine: Machine, folder: Path) -> sh.Model:
+    """The owner's file as a model file, whose inputs are called as the motors."""
+    source, target = folder / "machine.xml", folder / "imported.toml"
+    source.write_text(machine.xml)
+    deliver(source, Order(force=True), target)
+    return sh.read_model(target)

@@ -1,18 +1,22 @@
 """What is named in machines that MuJoCo has and that it records.
 
 python studies/mujoco_machine/run.py OUT [MACHINE…]    # a line a case
+
+MuJoCo is the machine, but of loop-imported and tight-imported, which `symhyb import` reads.
 """
 
 import sys
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
-from machines import MACHINES, record, short_model
+from machines import MACHINES, imported_model, record, short_model
 
 import symhyb as sh
 
 CONCEALED = ("nothing", "friction", "damping")
 SEEDS = {"train": 1, "unseen": 2}
+LOOPS = ("loop-imported", "tight-imported")
+COLUMNS = {"crank_torque": "drive"}  # the input of an imported loop, and the recorded motor
 
 
 def seconds() -> float:
@@ -23,13 +27,14 @@ def seconds() -> float:
 
 def main() -> None:
     """Record and diagnose every case."""
-    for name in sys.argv[2:] or MACHINES:
-        machine, folder = MACHINES[name], Path(sys.argv[1]) / name
+    for name in sys.argv[2:] or (*MACHINES, *LOOPS):
+        machine, folder = MACHINES[name.partition("-")[0]], Path(sys.argv[1]) / name
         folder.mkdir(parents=True, exist_ok=True)
-        model = short_model(machine, folder)
+        model = (imported_model if name in LOOPS else short_model)(machine, folder)
+        columns = COLUMNS if name in LOOPS else None
         for concealed in CONCEALED:
             train, unseen = (
-                sh.Recording.from_frame(record(machine, concealed, seed), model, name=part)
+                sh.Recording.from_frame(record(machine, concealed, seed), model, columns, name=part)
                 for part, seed in SEEDS.items()
             )
             begin = seconds()

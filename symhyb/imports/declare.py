@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from symhyb.imports.draft import AXES, Draft, Names, drafted, unit_of
 from symhyb.imports.hanging import hung, position
+from symhyb.imports.holding import declare_pin, declare_relation
 from symhyb.imports.reduction import Moved, Reduced
 from symhyb.imports.rigid import quaternion_of
 from symhyb.imports.robot import TURNED, Robot
@@ -22,7 +23,8 @@ _ROUNDING = 1e-15  # of the largest entry of a tensor: what turning it leaves of
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """A model, the ``names`` in it, and for each body the parameters that are declared for it."""
+    """A model, the ``names`` in it, and for each body the parameters that are declared for it; for
+    what holds bodies under an empty name."""
 
     model: Model
     names: Names
@@ -34,7 +36,8 @@ def declare(
 ) -> Declared:
     """The model of a robot: with sensors of ``rates`` beside those of positions, and without motors
     in the ``passive`` joints."""
-    draft = drafted(reduced.bodies)
+    holds = (*(pin.name for pin in reduced.pins), *(item.name for item in reduced.relations))
+    draft = drafted(reduced.bodies, holds)
     gravity = _gravity(draft, robot)
     groups: dict[str, tuple[str, ...]] = {}
     heavy = _heavy(reduced.bodies)
@@ -48,11 +51,18 @@ def declare(
         else:
             _declare_losses(draft, body)
         if body.own and body.drive is not None:
-            _own_coordinate(draft, body, reduced.start[body.joint.name], rates)
+            start = reduced.start[body.joint.name]
+            _own_coordinate(draft, body, start, rates, body.joint.name not in reduced.open)
             driven = robot.driven is None or body.joint.name in robot.driven
             if driven and body.joint.name not in passive:
                 _declare_motor(draft, body)
         groups[body.name] = tuple(item.name for item in draft.parameters[before:])
+    before = len(draft.parameters)
+    for pin in reduced.pins:
+        declare_pin(draft, pin)
+    for relation in reduced.relations:
+        declare_relation(draft, relation, reduced)
+    groups[""] = tuple(item.name for item in draft.parameters[before:])
     model = Model(
         title=robot.name,
         coordinates=tuple(draft.coordinates),
@@ -64,6 +74,7 @@ def declare(
         sensors=tuple(draft.sensors),
         limits=tuple(draft.limits),
         gravity=_vector(gravity),
+        constraints=tuple(draft.constraints),
     )
     return Declared(model, draft.names, groups)
 
@@ -150,11 +161,12 @@ def _mass(draft: Draft, body: Moved, turns: bool) -> tuple[str, list[str], str, 
     return mass, centre, "", tensor if any(values[3:]) else tensor[:3]
 
 
-def _own_coordinate(draft: Draft, body: Moved, start: float, rates: bool) -> None:
-    """Declare the coordinate of a joint, its sensors and its limits."""
+def _own_coordinate(draft: Draft, body: Moved, start: float, rates: bool, stated: bool) -> None:
+    """Declare the coordinate of a joint, whose start may be ``stated``, its sensors and limits."""
     joint, stem, unit = body.joint, draft.names.joints[body.joint.name], parse_unit(unit_of(body))
     about = f"{body.name} against {joint.parent or 'the ground'}"
-    draft.coordinates.append(Coordinate(stem, unit, start, about=about, stated=("start",)))
+    said = ("start",) if stated else ()
+    draft.coordinates.append(Coordinate(stem, unit, start, about=about, stated=said))
     draft.sensors.append(Sensor(stem, parse_expression(stem), unit, about="position"))
     if rates:
         rate = parse_unit(f"{unit_of(body)}/s")

@@ -6,6 +6,7 @@ from pathlib import Path
 from symhyb.data.files.xml_file import parse_xml
 from symhyb.errors import InputError, Problem
 from symhyb.imports.declare import declare
+from symhyb.imports.holding import closed
 from symhyb.imports.mjcf import parse_mjcf
 from symhyb.imports.narrate import comments, notes
 from symhyb.imports.reduction import Reduced, Wish, reduced
@@ -86,8 +87,9 @@ def model_of(robot: Robot, order: Order, file: str = "") -> tuple[Model, tuple[s
     _require_passive(order, found, robot)
     declared = declare(robot, found, order.rates, order.passive)
     _require_limits(declared.model, robot)
-    text = render(declared.model, comments(robot, found, declared))
-    return parse_model(text, file), notes(robot, found, declared)
+    model, moves = closed(declared.model, found, declared.names, robot.file)
+    text = render(model, comments(robot, found, declared))
+    return parse_model(text, file), (*notes(robot, found, declared), *moves)
 
 
 def _require_limits(model: Model, robot: Robot) -> None:

@@ -1,11 +1,12 @@
 """What is declared so far of a model: numbers as parameters, and the names of joints and links."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symhyb.imports.names import stems
 from symhyb.imports.reduction import Moved
 from symhyb.imports.rigid import right_angles
+from symhyb.model.constraints import Constraint
 from symhyb.model.limits import Limit
 from symhyb.model.types import Body, Coordinate, Element, Input, Parameter, Point, Sensor
 from symhyb.units import parse_unit
@@ -19,16 +20,20 @@ _JOINT = (
     *("_x", "_y", "_z", "_angle", "_qw", "_qx", "_qy", "_qz"),
 )
 _TIP = ("", "_x", "_y", "_z")
+_ENDS = ("_a", "_b")  # of a pin
+_HELD = ("", *(end + part for end in _ENDS for part in _TIP), *(f"_c{k}" for k in range(5)), "_at")
 _LINK = ("_m", "_cx", "_cy", "_cz", "_J", "_Jxx", "_Jyy", "_Jzz", "_Jxy", "_Jxz", "_Jyz")
 
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """The names that the joints that move, the bodies and their points have in the model file."""
+    """The names that the joints that move, the bodies, their points and the constraints have in the
+    model file."""
 
     joints: Mapping[str, str]
     links: Mapping[str, str]
     points: Mapping[str, str] = field(default_factory=dict)
+    held: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def changed(self) -> Iterator[tuple[str, str, str]]:
@@ -53,6 +58,7 @@ class Draft:
     elements: list[Element] = field(default_factory=list)
     sensors: list[Sensor] = field(default_factory=list)
     limits: list[Limit] = field(default_factory=list)
+    constraints: list[Constraint] = field(default_factory=list)
 
     def number(self, name: str, value: float, unit: str, about: str) -> str:
         """Declare a parameter and return its name; of 0 it is plain 0."""
@@ -69,14 +75,16 @@ class Draft:
         return {-1: "-pi/2", 0: "0", 1: "pi/2", 2: "pi"}[(count + 1) % 4 - 1]
 
 
-def drafted(bodies: Sequence[Moved]) -> Draft:
-    """A draft of a model with these bodies, in which nothing is declared but names."""
+def drafted(bodies: Sequence[Moved], held: Iterable[str] = ()) -> Draft:
+    """A draft of a model with these bodies and names of what holds them, in which nothing is
+    declared but names."""
     taken = {"g", "g_x", "g_y", "g_z"}
     joints = stems([body.joint.name for body in bodies], _JOINT, taken, "joint")
     links = stems([body.name for body in bodies], _LINK, taken, "link")
     taken.update(links.values())
     points = stems([tip.name for body in bodies for tip in body.tips], _TIP, taken, "link")
-    return Draft(Names(joints, links, points), {body.joint.name: unit_of(body) for body in bodies})
+    names = Names(joints, links, points, stems(held, _HELD, taken, "loop"))
+    return Draft(names, {body.joint.name: unit_of(body) for body in bodies})
 
 
 def unit_of(body: Moved) -> str:

@@ -11,7 +11,6 @@ A hinge about an anchor that is not the origin of its body moves the body's orig
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,22 +19,24 @@ from symhyb.data.files.apart import read_apart
 from symhyb.data.files.extras import needed
 from symhyb.data.files.table import Column, Table
 from symhyb.data.files.xml_file import parse_xml
-from symhyb.data.hosts.mjcf_file import ROOT, WEIGHS, problems_of, shown, stripped
+from symhyb.data.hosts.mjcf_file import ROOT, WEIGHS, problems_of, stripped
 from symhyb.errors import InputError, Problem, visible
+from symhyb.imports.compiled import Compiled, unused
+from symhyb.imports.equalities import Held, equalities
 from symhyb.imports.rigid import Pose, about_vector, from_quaternion, here, to_rpy
-from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot, Site
+from symhyb.imports.robot import Array, Inertial, Joint, Link, Pin, Range, Robot, Site
 
 _BODIES = ("body_parentid", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat")
 _ARRAYS = (
     *_BODIES,
     *("body_inertia", "body_jntnum", "body_jntadr", "jnt_type", "jnt_pos", "jnt_axis"),
     *("jnt_qposadr", "jnt_dofadr", "jnt_range", "jnt_limited", "jnt_stiffness", "qpos0"),
-    *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_obj1id"),
-    *("eq_obj2id", "eq_data", "actuator_trntype", "actuator_trnid", "actuator_gear"),
-    *("actuator_armature", "actuator_damping", "site_bodyid", "site_pos"),
+    *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_objtype"),
+    *("eq_obj1id", "eq_obj2id", "eq_data", "eq_active0", "actuator_trntype", "actuator_trnid"),
+    *("actuator_gear", "actuator_armature", "actuator_damping", "body_mocapid", "site_bodyid"),
+    *("site_pos", "site_quat"),
 )
 _KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
-_JOINT = 2  # the type of an equality between two joints
 _AT_JOINT = (0, 1)  # the types of an actuator that acts on a joint
 
 
@@ -50,7 +51,7 @@ def parse_mjcf(data: bytes, file: str = "") -> Robot:
     if problems:
         raise InputError(problems)
     table = read_apart(compiled, data, file)
-    return _robot(_Compiled.of(table), file)
+    return _robot(Compiled.of(table), file)
 
 
 def compiled(content: bytes, file: str) -> Table:
@@ -77,6 +78,7 @@ def compiled(content: bytes, file: str) -> Table:
         "bodies": [model.body(k).name for k in range(model.nbody)],
         "joints": [model.joint(k).name for k in range(model.njnt)],
         "sites": [model.site(k).name for k in range(model.nsite)],
+        "equalities": [model.eq(k).name for k in range(model.neq)],
         "left_out": list(_left_out(model)),
     }
     return Table(file, tuple(columns), (json.dumps(words),))
@@ -106,63 +108,12 @@ def _left_out(model: Any) -> Iterator[str]:
     yield from (f"left out: {what}" for what, there in acting if there)
 
 
-@dataclass(frozen=True, slots=True)
-class _Compiled:
-    """MuJoCo's arrays by name, with the names of bodies, joints and sites; none is empty or twice
-    among its kind."""
-
-    arrays: Mapping[str, Array]
-    name: str
-    bodies: list[str]
-    joints: list[str]
-    sites: list[str]
-    left_out: tuple[str, ...]
-
-    @staticmethod
-    def of(table: Table) -> "_Compiled":
-        words: dict[str, Any] = json.loads(table.notes[0])
-        arrays = {column.header: column.values for column in table.columns}
-        bodies = [
-            ROOT if not k else shown(name) or f"body_{k}" for k, name in enumerate(words["bodies"])
-        ]
-        joints = [shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
-        sites = [shown(name) or f"site_{k}" for k, name in enumerate(words["sites"])]
-        return _Compiled(
-            arrays,
-            shown(words["name"]),
-            _apart(bodies),
-            _apart(joints),
-            _apart(sites),
-            tuple(words["left_out"]),
-        )
-
-    def index(self, name: str, row: int) -> int:
-        """A whole number out of an array."""
-        return int(self.arrays[name][row])
-
-
-def _apart(names: list[str]) -> list[str]:
-    """The names, with a number behind those that were there."""
-    taken: set[str] = set()
-    return [_unused(name, taken) for name in names]
-
-
-def _unused(name: str, taken: set[str]) -> str:
-    """A name that is not taken, and then is."""
-    one, count = name, 1
-    while one in taken:
-        count += 1
-        one = f"{name}_{count}"
-    taken.add(one)
-    return one
-
-
-def _robot(model: _Compiled, file: str) -> Robot:
+def _robot(model: Compiled, file: str) -> Robot:
     """The tree of links: one for each body, and one without mass between two joints of a body."""
     parents, origins = model.arrays["body_parentid"], {0: (ROOT, here())}
     links, joints, taken = {ROOT: Link(ROOT)}, [], {*model.bodies, *model.joints}
-    mimics, notes = _equalities(model)
-    notes += [("", text) for text in model.left_out]
+    held = equalities(model)
+    notes = [("", text) for text in (*held.notes, *model.left_out)]
     for number in range(1, len(model.bodies)):
         name = model.bodies[number]
         parent, shift = origins[int(parents[number])]
@@ -173,13 +124,13 @@ def _robot(model: _Compiled, file: str) -> Robot:
         )
         for place, one in enumerate(mine):
             last = place == len(mine) - 1
-            child = name if last else _unused(f"{name}_{model.joints[one]}", taken)
-            joint, pose = _joint(model, one, parent, child, pose, mimics)
+            child = name if last else unused(f"{name}_{model.joints[one]}", taken)
+            joint, pose = _joint(model, one, parent, child, pose, held)
             joints.append(joint)
             links.setdefault(child, Link(child))
             parent = child
         if not len(mine):
-            joints.append(_tied(_unused(f"{name}_fixed", taken), parent, name, pose))
+            joints.append(_tied(unused(f"{name}_fixed", taken), parent, name, pose))
             parent, pose = name, here()
         origins[number] = parent, pose
         links[name] = Link(name, _inertial(model, number, pose))
@@ -196,21 +147,33 @@ def _robot(model: _Compiled, file: str) -> Robot:
         driven=driven,
         source="MJCF",
         sites=tuple(_sites(model, links, origins)),
+        pins=tuple(_pins(held, origins)),
+        relations=tuple(held.relations),
     )
 
 
 def _sites(
-    model: _Compiled, links: Mapping[str, Link], origins: Mapping[int, tuple[str, Pose]]
+    model: Compiled, links: Mapping[str, Link], origins: Mapping[int, tuple[str, Pose]]
 ) -> Iterator[Site]:
     """The sites on links that bodies have their ``origins`` in, with names of no link."""
     taken = set(links)
     for number, name in enumerate(model.sites):
         link, pose = origins[model.index("site_bodyid", number)]
         at = pose.turned @ model.arrays["site_pos"][number] + pose.at
-        yield Site(_unused(name, taken), link, _three(at))
+        yield Site(unused(name, taken), link, _three(at))
 
 
-def _pose(model: _Compiled, at: str, turned: str, number: int) -> Pose:
+def _pins(held: Held, origins: Mapping[int, tuple[str, Pose]]) -> Iterator[Pin]:
+    """The pins between links that bodies have their ``origins`` in."""
+    for name, ends in held.pins.items():
+        first, second = (
+            Site(name, link, _three(pose.turned @ at + pose.at))
+            for (link, pose), at in ((origins[end.body], end.at) for end in ends)
+        )
+        yield Pin(name, first, second)
+
+
+def _pose(model: Compiled, at: str, turned: str, number: int) -> Pose:
     return Pose(from_quaternion(model.arrays[turned][number]), model.arrays[at][number])
 
 
@@ -223,7 +186,7 @@ def _three(vector: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _inertial(model: _Compiled, number: int, pose: Pose) -> Inertial | None:
+def _inertial(model: Compiled, number: int, pose: Pose) -> Inertial | None:
     """Mass and tensor in the axes of the link, in which the body lies at ``pose``."""
     mass = float(model.arrays["body_mass"][number])
     own = pose.then(_pose(model, "body_ipos", "body_iquat", number))
@@ -234,7 +197,7 @@ def _inertial(model: _Compiled, number: int, pose: Pose) -> Inertial | None:
 
 
 def _joint(
-    model: _Compiled, one: int, parent: str, child: str, pose: Pose, mimics: Mapping[str, Mimic]
+    model: Compiled, one: int, parent: str, child: str, pose: Pose, held: Held
 ) -> tuple[Joint, Pose]:
     """A joint by which a body at ``pose`` moves, and where the body lies in the link behind it."""
     arrays, kind = model.arrays, _KINDS[model.index("jnt_type", one)]
@@ -243,6 +206,7 @@ def _joint(
     if kind in ("floating", "ball"):
         anchor = np.zeros(3) if kind == "floating" else anchor
         frame = pose.then(Pose(np.eye(3), anchor))
+        kind = "fixed" if model.joints[one] in held.locked else kind
         free = Joint(model.joints[one], kind, parent, child, _three(frame.at), to_rpy(frame.turned))
         return free, Pose(np.eye(3), -anchor)
     zero = float(arrays["qpos0"][slot])
@@ -266,15 +230,17 @@ def _joint(
         damping=float(arrays["dof_damping"][dof]) + motors[0],
         friction=float(arrays["dof_frictionloss"][dof]),
         range=Range((low, high) if arrays["jnt_limited"][one] else None),
-        mimic=mimics.get(name),
+        mimic=held.mimics.get(name),
         armature=float(arrays["dof_armature"][dof]) + motors[1],
         spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
         motors=(motors[0], motors[1]),
+        home=zero,
+        held=held.locked.get(name),
     )
     return joint, Pose(np.eye(3), -anchor)
 
 
-def _of_motors(model: _Compiled, name: str, joint: int) -> float:
+def _of_motors(model: Compiled, name: str, joint: int) -> float:
     """What the actuators of a joint add to it: theirs is at the motor, before the gear."""
     kinds = model.arrays["actuator_trntype"]
     targets = model.arrays["actuator_trnid"].reshape(-1, 2)[:, 0]
@@ -283,23 +249,7 @@ def _of_motors(model: _Compiled, name: str, joint: int) -> float:
     return float(np.sum((gears**2 * model.arrays[name])[mine]))
 
 
-def _equalities(model: _Compiled) -> tuple[dict[str, Mimic], list[tuple[str, str]]]:
-    """Joints that follow others by a straight line; notes on other conditions."""
-    found, notes = {}, []
-    for row, kind in enumerate(model.arrays["eq_type"]):
-        first, second = (model.index(f"eq_obj{end}id", row) for end in (1, 2))
-        line = model.arrays["eq_data"][row]
-        if kind != _JOINT or second < 0 or line[2:5].any():
-            said = f"condition {row + 1} under <equality> is left out: it is no ratio of two joints"
-            notes.append(("", said))
-            continue
-        at = [float(model.arrays["qpos0"][model.index("jnt_qposadr", k)]) for k in (first, second)]
-        ratio, offset = float(line[1]), at[0] + float(line[0]) - float(line[1]) * at[1]
-        found[model.joints[first]] = Mimic(model.joints[second], ratio, offset)
-    return found, notes
-
-
-def _driven(model: _Compiled) -> frozenset[str] | None:
+def _driven(model: Compiled) -> frozenset[str] | None:
     """The joints that have an actuator; None if nothing has one."""
     targets = zip(
         model.arrays["actuator_trntype"], model.arrays["actuator_trnid"].reshape(-1, 2), strict=True

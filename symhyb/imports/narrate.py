@@ -30,6 +30,10 @@ def comments(robot: Robot, reduced: Reduced, declared: Declared) -> Comments:
     if declared.model.points:
         text = "ends of what is rigid with a body, or marked places: a payload is looked for there"
         said["points"] = (text,)
+    for constraint in declared.model.constraints:
+        said[f"constraints.{constraint.name}"] = ("holds exactly; in MuJoCo by a soft force",)
+    if declared.groups.get(""):
+        said[f"parameters.{declared.groups[''][0]}"] = ("what holds bodies and joints to others",)
     if reduced.bodies:
         said["sensors"] = ("state sd, one standard deviation of the noise, where it is known",)
         said["inputs"] = tuple(_of_inputs(robot))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.errors import InputError, Problem
+from symhyb.imports.loops import in_loops, pinned
 from symhyb.imports.rigid import (
     Pose,
     about_point,
@@ -25,7 +26,7 @@ from symhyb.imports.rigid import (
     joined,
     moved,
 )
-from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Robot
+from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Pin, Relation, Robot
 from symhyb.imports.tips import Tip, tips_of
 from symhyb.imports.tree import nearest
 
@@ -82,13 +83,18 @@ class Moved:
 @dataclass(frozen=True, slots=True)
 class Reduced:
     """The bodies of a robot in the order of the tree, the ``grounded`` links, the ``locked`` joints
-    with their positions, where the joints ``start``, and ``notes`` on what was done otherwise."""
+    with their positions, where the joints ``start``, and ``notes`` on what was done otherwise.
+    ``pins`` hold bodies (the ground, if empty) and ``relations`` joints; those of them that are
+    ``open`` may start elsewhere."""
 
     bodies: tuple[Moved, ...]
     grounded: tuple[str, ...]
     locked: Mapping[str, float]
     start: Mapping[str, float]
     notes: tuple[str, ...]
+    pins: tuple[Pin, ...] = ()
+    relations: tuple[Relation, ...] = ()
+    open: frozenset[str] = frozenset()
 
 
 def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
@@ -102,11 +108,12 @@ def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
     by_name = {joint.name: joint for joint in joints}
     drives = {joint.name: _drive(joint, by_name) for joint in joints if joint.kind in STRAIGHT}
     _refuse(robot, by_name, drives, wish)
-    start = _starts(joints, drives, wish.positions or {})
+    given, held = wish.positions or {}, in_loops(robot)
+    start = _starts(joints, drives, given, held)
     moving = _moving(joints, drives, wish)
     notes: list[str] = []
     while True:
-        bodies, grounded, said = _bodies(robot, joints, drives, moving, start)
+        bodies, places, said = _bodies(robot, joints, drives, moving, start)
         idle = _idle(bodies, drives, start)
         if not idle:
             break
@@ -127,7 +134,19 @@ def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
         for joint in joints
         if joint.kind in STRAIGHT and joint.name not in moving
     }
-    return Reduced(bodies, grounded, locked, start, (*notes, *said))
+    grounded = tuple(link for link, (carrier, _) in places.items() if link and not carrier)
+    pins, rigid = pinned(robot, places)
+    relations = tuple(item for item in robot.relations if {item.joint, item.of} & moving)
+    return Reduced(
+        bodies,
+        grounded,
+        locked,
+        start,
+        (*notes, *said, *rigid),
+        pins,
+        relations,
+        held - set(given) - (robot.driven or frozenset()),
+    )
 
 
 def _freed(robot: Robot) -> tuple[Joint, ...]:
@@ -146,6 +165,8 @@ def _drive(joint: Joint, by_name: Mapping[str, Joint]) -> Drive | None:
         offset += ratio * joint.mimic.offset
         ratio *= joint.mimic.ratio
         joint = by_name[joint.mimic.joint]
+    if joint.held is not None:
+        return Drive(joint.name, 0.0, offset + ratio * joint.held)
     if joint.kind not in STRAIGHT:
         ratio = 0.0
     return Drive(joint.name, ratio, offset)
@@ -163,6 +184,9 @@ def _refuse(
             if name not in able:
                 text = f"'{name}' is not a joint that can move{nearest(name, able)}"
                 problems.append(Problem(text, option, robot.file))
+            elif by_name[name].held is not None:
+                text = f"'{name}' is held at {by_name[name].held:g} by the {robot.source}"
+                problems.append(Problem(text, option, robot.file))
             elif drive is not None and drive.joint != name:
                 text = f"'{name}' follows the joint '{drive.joint}'; name that one"
                 problems.append(Problem(text, option, robot.file))
@@ -174,10 +198,13 @@ def _refuse(
 
 
 def _starts(
-    joints: Sequence[Joint], drives: Mapping[str, Drive | None], given: Mapping[str, float]
+    joints: Sequence[Joint],
+    drives: Mapping[str, Drive | None],
+    given: Mapping[str, float],
+    held: frozenset[str],
 ) -> dict[str, float]:
     """Where joints with a position of their own start, or are locked: as given, else 0, or the
-    middle of a travel that 0 does not belong to."""
+    middle of a travel that 0 does not belong to; those that loops hold as the file draws them."""
     start = {}
     for joint in joints:
         drive = drives.get(joint.name)
@@ -185,6 +212,7 @@ def _starts(
             continue
         low, high = joint.range.travel or (0.0, 0.0)
         usual = 0.0 if low <= 0 <= high else (low + high) / 2
+        usual = joint.home if joint.name in held else usual
         start[joint.name] = given.get(joint.name, usual)
     return start
 
@@ -226,8 +254,8 @@ def _bodies(
     drives: Mapping[str, Drive | None],
     moving: frozenset[str],
     start: Mapping[str, float],
-) -> tuple[tuple[Moved, ...], tuple[str, ...], tuple[str, ...]]:
-    """The bodies, the links that stand on the ground, and notes."""
+) -> tuple[tuple[Moved, ...], dict[str, tuple[str, Pose]], tuple[str, ...]]:
+    """The bodies, in which of them (the ground, if empty) every link lies, and notes."""
     places: dict[str, tuple[str, Pose]] = {"": ("", here()), robot.root: ("", here())}
     found: dict[str, Moved] = {}
     for joint in joints:
@@ -255,7 +283,7 @@ def _bodies(
         tips, left_out = tips_of(robot, name, welded, {k: places[k][1] for k in (name, *welded)})
         notes += [*note, *left_out]
         bodies.append(replace(body, inertial=inertial, links=tuple(welded), tips=tips))
-    return tuple(bodies), tuple(held[""]), tuple(notes)
+    return tuple(bodies), places, tuple(notes)
 
 
 def _filled(name: str, parts: Sequence[Inertial]) -> tuple[Inertial | None, list[str]]:

@@ -62,7 +62,7 @@ class Joint:
     the fixed axes x, y, z in this order). In that frame the child turns about the unit vector
     ``axis``, or travels along it. ``armature`` is the inertia of the rotor as the joint feels it,
     ``spring`` a stiffness and where it rests. Of damping and armature ``motors`` is what actuators
-    have.
+    have. ``home`` is where the file draws the robot, ``held`` where the joint is locked.
     """
 
     name: str
@@ -80,6 +80,8 @@ class Joint:
     armature: float = 0.0
     spring: tuple[float, float] | None = None
     motors: tuple[float, float] = (0.0, 0.0)
+    home: float = 0.0
+    held: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +94,38 @@ class Site:
 
 
 @dataclass(frozen=True, slots=True)
+class Pin:
+    """Two places, of two links, that are one: what closes a loop."""
+
+    name: str
+    first: Site
+    second: Site
+
+    @property
+    def ends(self) -> tuple[Site, Site]:
+        """Both places."""
+        return self.first, self.second
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A ``joint`` whose position is a polynomial of that of another, ``of`` (a constant, without
+    one): its ``coefficients`` from the constant one on, SI, and the ``units`` of both positions."""
+
+    name: str
+    joint: str
+    of: str
+    coefficients: tuple[float, ...]
+    units: tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A tree of links. ``joints`` come in the order of the tree, a parent before its children;
     ``gears`` are the ratios that the file states for the transmission of a joint; ``notes`` say
     what was read otherwise than it stands, each with the link or joint that it is about. Of a
     ``source`` that knows motors ``driven`` are the joints that have one, of one that marks places
-    ``sites`` are these."""
+    ``sites`` are these. ``pins`` close loops, ``relations`` hold joints to others."""
 
     name: str
     root: str
@@ -110,3 +138,5 @@ class Robot:
     driven: frozenset[str] | None = None
     source: str = "URDF"
     sites: tuple[Site, ...] = ()
+    pins: tuple[Pin, ...] = ()
+    relations: tuple[Relation, ...] = ()

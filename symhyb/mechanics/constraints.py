@@ -1,6 +1,6 @@
 r"""What constraints ask for, in SymPy: rows c(q, t), or speeds s(q, q', t), that are zero, SI.
 
-    pin        b − a, a row for each component
+    pin        b − a, a row for each component; in space along the axes of the body of a
     distance   |b − a| − length
     slider     how far p is beside the line from a to b:   a o───────────o b
                                                                   | c      the line may move
@@ -27,14 +27,16 @@ Source of the last three: Neimark and Fufaev, Dynamics of Nonholonomic Systems, 
 Sizes: m rows.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.attitude import ONE, ZERO, along, crossed
-from symhyb.mechanics.kinematics import Geometry, distance, rate_of
+from symhyb.mechanics.attitude import ONE, ZERO, Vector, along, crossed
+from symhyb.mechanics.kinematics import Geometry, distance, rate_of, seen_from
 from symhyb.mechanics.symbols import Symbols, to_sympy
 from symhyb.model.constraints import Constraint
+from symhyb.model.space import dimension
 from symhyb.model.types import Model
 
 AXES = "xyz"
@@ -70,14 +72,13 @@ def _rows(
     values = {key: to_sympy(expression, scope) for key, expression in item.values}
     match item.kind:
         case "pin":
-            a, b = (places.points[name] for name in item.names)
-            gaps = [end - begin for begin, end in zip(a, b, strict=True)]
-            return _components(item.name, gaps)
+            a, b = _placed(item.names, item.names[0], model, places, symbols)
+            return _components(item.name, [end - begin for begin, end in zip(a, b, strict=True)])
         case "distance":
             a, b = (places.points[name] for name in item.names)
             return (Closure(item.name, distance(a, b) - values["length"], pulls=True),)
         case "slider":
-            point, a, b = (places.points[name] for name in item.names)
+            point, a, b = _placed(item.names, item.names[1], model, places, symbols)
             return _components(item.name, _beside(point, a, b))
         case "gear" | "rolling":
             first, second = (scope[name, 0] for name in item.names)
@@ -116,6 +117,18 @@ def _touching(
             if i != up
         ),
     )
+
+
+def _placed(
+    names: Sequence[str], carrier: str, model: Model, places: Geometry, symbols: Symbols
+) -> list[Vector]:
+    """Points by name; in space in the axes of the body that the point ``carrier`` is fixed to: a
+    direction there along which nothing moves stays the same however the whole is turned."""
+    if dimension(model) == 2:
+        return [places.points[name] for name in names]
+    points = {point.name: point for point in model.points}
+    body = points[carrier].body
+    return [seen_from(model, body, points[name], symbols) for name in names]
 
 
 def _components(name: str, gaps: list[sp.Expr]) -> tuple[Closure, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.attitude import Attitude, Vector, along, turned
+from symhyb.mechanics.attitude import Attitude, Vector, across, along, turned, turns_of
 from symhyb.mechanics.symbols import Symbols, to_sympy
 from symhyb.model.expression import Expression
 from symhyb.model.space import dimension
@@ -110,6 +110,39 @@ def _frame(
 def located(at: tuple[Expression, ...], symbols: Symbols) -> Vector:
     """Expressions as a position, m."""
     return tuple(to_sympy(part, symbols.scope) for part in at)
+
+
+def seen_from(model: Model, body: str, point: Point, symbols: Symbols) -> Vector:
+    """A point of a machine in space in the axes of a ``body`` (the ground, if empty), counted from
+    its origin, m. What carries both does not occur in it."""
+    bodies = {item.name: item for item in model.bodies}
+    up, down = _carriers(bodies, point.body), _carriers(bodies, body)
+    while up and down and up[-1] is down[-1]:
+        up, down = up[:-1], down[:-1]
+    at = located(point.at, symbols)
+    for item in up:
+        for turn in reversed(turns_of(item, symbols)):
+            at = along(turn.axes, at)
+        at = tuple(a + b for a, b in zip(_origin(item, symbols), at, strict=True))
+    for item in reversed(down):
+        at = tuple(a - b for a, b in zip(at, _origin(item, symbols), strict=True))
+        for turn in turns_of(item, symbols):
+            at = across(turn.axes, at)
+    return at
+
+
+def _carriers(bodies: Mapping[str, Body], name: str) -> list[Body]:
+    """A body and what it hangs on, up to the ground."""
+    found = []
+    while name:
+        found.append(bodies[name])
+        name = bodies[name].parent
+    return found
+
+
+def _origin(body: Body, symbols: Symbols) -> Vector:
+    """Where a body hangs, in the axes of its carrier, m."""
+    return located(body.at if body.joint is None else body.joint, symbols)
 
 
 def stretch_of(model: Model, place: Place, places: Geometry, symbols: Symbols) -> sp.Expr:

@@ -147,11 +147,6 @@ def test_an_equality_of_two_joints_is_a_ratio() -> None:
     (mimic,) = (joint.mimic for joint in robot.joints if joint.name == "k")
     assert mimic == Mimic("j", 2.0, pytest.approx(np.radians(-20) + 0.1 - 2 * np.radians(30)))
     assert [c.name for c in model.coordinates] == ["j"]
-    other = '<connect body1="b" anchor="0 0 0"/>'
-    robot, _, _ = imported(mjcf(world, f"<equality>{other}</equality>"))
-    assert [said for _, said in robot.notes] == [
-        "condition 1 under <equality> is left out: it is no ratio of two joints"
-    ]
 
 
 def test_gravity_in_any_direction_and_what_is_left_out() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model, read_model
+from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import free_slope
 from symhyb.numeric.lowered.machine import Machine, build
@@ -63,8 +64,81 @@ def test_what_is_left_out_is_said() -> None:
     machine = build(parse_model(in_space()))
     said = "constraints.knee.z is zero wherever the machine moves and is left out"
     assert said in machine.notes
-    said = "constraints.knee.y is zero wherever the machine moves and is left out"
     assert said in build(parse_model(in_space(*TURNS["upright"]))).notes
+
+
+def on_a_turntable() -> str:
+    text = in_space(*TURNS["upright"])
+    text = text.replace("[bodies.crank]", TURNTABLE + "[bodies.crank]\nparent = 'table'")
+    text = text.replace('joint = ["d"', "parent = 'table'\njoint = [\"d\"")
+    return text.replace("[parameters]", "psi = { unit = 'rad', start_rate = 3.0 }\n[parameters]")
+
+
+TURNTABLE = """[bodies.table]
+joint     = ["0", "0", "0"]
+mass      = "m_1"
+inertia   = "J_1"
+rotations = [["z", "psi"]]
+
+"""
+
+
+def momentum(machine: Machine, found: Trajectory, coordinate: int) -> np.ndarray:
+    """Of a coordinate that nothing but inertia acts along."""
+    masses = [call(machine.M, (q, 0.0, machine.values))[0] for q in found.q]
+    return np.array([(M @ v)[coordinate] for M, v in zip(masses, found.v, strict=True)])
+
+
+def test_the_plane_of_a_loop_may_turn_right_round() -> None:
+    """Across a plane that turns lies no axis of the room; the momentum about z stays."""
+    machine = build(parse_model(on_a_turntable()))
+    assert "constraints.knee.z is zero wherever the machine moves and is left out" in machine.notes
+    found = run(machine)
+    assert (found.complete, found.note) == (True, "")
+    assert np.ptp(found.q[:, 3]) > np.pi
+    np.testing.assert_allclose(momentum(machine, found, 3), momentum(machine, found, 3)[0], 1e-6)
+
+
+def test_a_line_may_turn_right_round() -> None:
+    """A bead on a spoke of a wheel that turns about z."""
+    text = """symhyb = 1
+gravity = ["0", "0", "-9.81 m/s^2"]
+[coordinates]
+phi = { unit = "rad", start_rate = 5.0 }
+x = { unit = "m", start = 0.1 }
+y = { unit = "m" }
+z = { unit = "m" }
+[points]
+hub = { body = "wheel", at = ["0", "0", "0"] }
+rim = { body = "wheel", at = ["1 m", "0", "0"] }
+bead = ["x", "y", "z"]
+[bodies.wheel]
+joint = ["0", "0", "0"]
+mass = "1 kg"
+inertia = "0.5 kg*m^2"
+rotations = [["z", "phi"]]
+[bodies.bead]
+mass = "0.2 kg"
+at = "bead"
+[constraints.spoke]
+kind = "slider"
+point = "bead"
+along = ["hub", "rim"]
+[sensors]
+turn = { measures = "phi", unit = "rad" }
+"""
+    machine = build(parse_model(text))
+    assert machine.constraints == 2
+    q, v = (np.array(part) for part in machine.model.start())
+    t = np.linspace(0, 0.6, 61)
+    found = simulate(machine, Scenario(t, q, v, t[[0, -1]], np.empty((2, 0))))
+    assert found.complete
+    assert found.q[-1, 0] > np.pi / 2
+    radius, rate = np.hypot(found.q[:, 1], found.q[:, 2]), found.v[:, 0]
+    np.testing.assert_allclose((0.5 + 0.2 * radius**2) * rate, (0.5 + 0.2 * 0.1**2) * 5, 1e-6)
+    np.testing.assert_allclose(
+        np.arctan2(found.q[:, 2], found.q[:, 1]), found.q[:, 0] % (2 * np.pi), atol=1e-9
+    )
 
 
 def test_it_swings_as_in_the_plane_when_it_is_linearised() -> None:
@@ -84,6 +158,24 @@ def test_a_loop_whose_ends_lie_in_two_planes_cannot_close() -> None:
     (problem,) = caught.value.problems
     assert problem.place == "constraints.knee"
     assert "nothing moves along knee.z, and there it is off by 0.022 (SI)" in problem.text
+
+
+def tilted(angle: str) -> str:
+    """The rocker turns about an axis that is not quite that of the crank."""
+    return in_space().replace('[["z", "gamma"]]', f'[["x", "{angle}"], ["z", "gamma"]]')
+
+
+def test_hinges_that_are_nearly_parallel_move_as_in_the_plane() -> None:
+    """As where a file has 1.5708 for a right angle: to the last digit the loop would lock."""
+    machine = build(parse_model(tilted("1e-4")))
+    assert machine.constraints == 2
+    said = "constraints.knee.z is nearly zero wherever the machine moves and is left out"
+    assert said in machine.notes
+    found, flat = run(machine), plane()
+    assert found.complete
+    np.testing.assert_allclose(found.q, flat.q, atol=5e-6)
+    with pytest.raises(InputError, match=r"constraints\.knee: the loop cannot be closed"):
+        build(parse_model(tilted("1e-2")))
 
 
 def test_a_part_that_is_driven_holds_nothing_that_could_give_way() -> None:

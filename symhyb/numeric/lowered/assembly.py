@@ -19,29 +19,46 @@ from symhyb.model.types import Energy, Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered import cache
-from symhyb.numeric.lowered.dependence import DEPENDENT, dependent, idle
+from symhyb.numeric.lowered.dependence import (
+    DEPENDENT,
+    NOTHING,
+    SLIGHT,
+    constraint_of,
+    dependent,
+    idle,
+    slight,
+)
+from symhyb.numeric.lowered.moved import moves, places_text
 
 CLOSED = 1e-12  # of the size of the motion: what rounding leaves open
 STEPS_MOST = 60
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.02)  # of a Newton step
 BESIDE = 0.02  # how far beside the start dependence is tried again, of the size of a coordinate
 TRIES = 3
-REPORTED = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
 
 
 @dataclass(frozen=True, slots=True)
 class _Gaps:
-    """The constraints of one model: ``function`` is the closure of all rows, with ``labels``."""
+    """The constraints of one model: ``function`` is the closure of all rows, with ``labels``; the
+    ``slight`` rows hold nothing, and what they leave open does not count."""
 
     model: Model
     function: ca.Function
     labels: tuple[str, ...]
     p: Array
+    slight: tuple[int, ...] = ()
 
     def at(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
         """c, ċ (m,) and J (m, n)."""
+        gap, rate, slope = self.whole(q, v)
+        rows = list(self.slight)
+        gap[rows], rate[rows], slope[rows] = 0.0, 0.0, 0.0
+        return gap, rate, slope
+
+    def whole(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
+        """The same with what slight rows leave open."""
         gap, rate, _, slope, _ = call(self.function, (q, v, 0 * q, 0.0, self.p))
-        return gap[0], rate[0], slope.T
+        return gap[0].copy(), rate[0].copy(), slope.T.copy()
 
     def dependent(self, q: Array, free: NDArray[np.bool_]) -> dict[int, list[int]]:
         """The rows that hold nothing at q, or only what rows before them hold, each with those."""
@@ -79,20 +96,56 @@ def assembled(model: Model) -> Model:
     """
     if not model.constraints:
         return model
-    gaps = _gaps_of(model)
     q, v = (np.array(part) for part in model.start())
+    gaps = _without_slight(_gaps_of(model), q)
     before = model.assembly
     q_closed, v_closed = _closed(gaps, q, v)
     if before is not None and np.array_equal(q, q_closed) and np.array_equal(v, v_closed):
         return model
     left_out, notes = _repeated(gaps, q_closed)
     _require_shown(model, left_out)
-    moves = _moves(model, q_closed, v_closed)
     rows = tuple(label for label in gaps.labels if label not in left_out)
     found = Assembly(
-        tuple(q_closed.tolist()), tuple(v_closed.tolist()), rows, left_out, moves, notes
+        tuple(q_closed.tolist()),
+        tuple(v_closed.tolist()),
+        rows,
+        left_out,
+        moves(model, q_closed, v_closed),
+        notes,
     )
     return replace(model, assembly=found)
+
+
+def _without_slight(gaps: _Gaps, q: Array) -> _Gaps:
+    """The constraints without components of vectors along which next to nothing moves, neither at q
+    (n,) nor beside it."""
+    vectors = [item.name for item in gaps.model.constraints if item.kind in ("pin", "slider")]
+    slopes = [gaps.whole(place, 0 * q)[2] for place in (q, *_drawn(q))]
+    return replace(gaps, slight=slight(slopes, gaps.labels, vectors))
+
+
+def _drawn(q: Array) -> list[Array]:
+    """Places (n,) beside q, on the constraints or not."""
+    draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
+    return [q + BESIDE * (1 + np.abs(q)) * draw for draw in draws]
+
+
+def _require_level(gaps: _Gaps, q: Array) -> None:
+    """Where nothing moves along a component nothing may be off along it either, but for as much as
+    it may move."""
+    gap, _, slope = gaps.whole(q, 0 * q)
+    for row in gaps.slight:
+        mine = [constraint_of(one) == constraint_of(gaps.labels[row]) for one in gaps.labels]
+        if abs(gap[row]) > SLIGHT * np.linalg.norm(slope[mine], axis=1).max():
+            raise InputError(_beside_the_plane(gaps, row, gap))
+
+
+def _beside_the_plane(gaps: _Gaps, row: int, gap: Array) -> Problem:
+    text = (
+        f"nothing moves along {gaps.labels[row]}, and there it is off by {abs(gap[row]):.4g} (SI); "
+        "let both lie in the plane of the motion"
+    )
+    return Problem(text, f"constraints.{constraint_of(gaps.labels[row])}", gaps.model.file)
 
 
 def _require_shown(model: Model, left_out: Sequence[str]) -> None:
@@ -175,6 +228,7 @@ def _closed(gaps: _Gaps, q: Array, v: Array) -> tuple[Array, Array]:
             break
     else:
         raise InputError(_impossible(gaps, placed, gap))
+    _require_level(gaps, placed)
     for movable in (open_v, free):
         moved = v.copy()
         _, rate, slope = gaps.at(placed, v)
@@ -226,12 +280,16 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
     lost = [row for row in here if row not in always]
     if lost:
         raise InputError(_locked(gaps, q, np.eye(len(gaps.labels))[lost[0]]))
-    notes = []
+    notes, whole = [], gaps.whole(q, 0 * q)[2]
     for row in sorted(always):
         name, others = gaps.labels[row], [gaps.labels[i] for i in here[row]]
         listed = " and ".join(dict.fromkeys(label.split(".")[0] for label in others))
         if not others:
-            notes.append(f"constraints.{name} is zero wherever the machine moves and is left out")
+            zero = row not in gaps.slight or row in slight(
+                [whole], gaps.labels, [name.split(".")[0]], NOTHING
+            )
+            said = "zero" if zero else "nearly zero"
+            notes.append(f"constraints.{name} is {said} wherever the machine moves and is left out")
         elif not _of_a_line(gaps, name, others):
             notes.append(f"constraints.{name} repeats what {listed} say already and is left out")
     return tuple(gaps.labels[row] for row in sorted(always)), tuple(notes)
@@ -296,16 +354,14 @@ def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:
     worst = int(np.argmax(np.abs(gap)))
     name = gaps.labels[worst].split(".")[0]
     generic = _contradicted(gaps, q)
-    where = _places_text(gaps.model, q)
+    related = dict.fromkeys(constraint_of(gaps.labels[i]) for i in generic.get(worst, ()))
+    others = [other for other in related if other != name]
+    where = places_text(gaps.model, q)
     if worst in generic and not generic[worst]:
+        return _beside_the_plane(gaps, worst, gap)
+    if others:
         text = (
-            f"nothing moves along {gaps.labels[worst]}, and there it is off by "
-            f"{abs(gap[worst]):.4g} (SI); let both lie in the plane of the motion"
-        )
-    elif worst in generic:
-        others = " and ".join(dict.fromkeys(gaps.labels[i].split(".")[0] for i in generic[worst]))
-        text = (
-            f"contradicts constraints.{others}: where that holds, this one is off by "
+            f"contradicts constraints.{' and '.join(others)}: where that holds, this one is off by "
             f"{np.abs(gap).max():.4g} (SI) whatever moves; leave one of them out"
         )
     else:
@@ -320,10 +376,9 @@ def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
     """Rows that depend on others wherever the machine is, each with all rows that it depends on,
     and those on it."""
     free = np.array([not c.imposed for c in gaps.model.coordinates])
-    draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
     found: dict[int, list[int]] | None = None
-    for draw in draws:
-        at = gaps.dependent(q + BESIDE * (1 + np.abs(q)) * draw, free)
+    for place in _drawn(q):
+        at = gaps.dependent(place, free)
         found = at if found is None else {row: at[row] for row in found if row in at}
     related = dict(found or {})
     for row, others in (found or {}).items():
@@ -335,37 +390,7 @@ def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
 def _locked(gaps: _Gaps, q: Array, left: Array) -> Problem:
     name = gaps.labels[int(np.argmax(np.abs(left)))].split(".")[0]
     text = (
-        f"the loop locks at its start, {_places_text(gaps.model, q)}: there this constraint and "
+        f"the loop locks at its start, {places_text(gaps.model, q)}: there this constraint and "
         "the others leave no consistent speeds; start a little beside it"
     )
     return Problem(text, f"constraints.{name}", gaps.model.file)
-
-
-def _places_text(model: Model, q: Array) -> str:
-    return ", ".join(
-        f"{c.name} = {value / c.unit.factor:.5g} {c.unit.text}".removesuffix(" 1")
-        for c, value in zip(model.coordinates, q, strict=True)
-    )
-
-
-def _moves(model: Model, q: Array, v: Array) -> tuple[str, ...]:
-    """Notes on starts that the file states and that had to move, and on those left open."""
-    moved, opened = [], []
-    for c, place, speed in zip(model.coordinates, q, v, strict=True):
-        unit = "" if c.unit.text == "1" else f" {c.unit}"
-        rate = "/s" if not unit else f"{unit}/s"
-        pairs = (("start", c.start, place, unit), ("start_rate", c.start_rate, speed, rate))
-        for key, was, value, text in pairs:
-            now = value / c.unit.factor
-            least = REPORTED if key in c.stated else 1e-9
-            if abs(now - was) <= least * max(abs(now), abs(was), 1e-6):
-                continue
-            said = f"{key} of {c.name} is {now:.6g}{text}"
-            if key in c.stated:
-                moved.append(f"{said}, not {was:.6g}")
-            else:
-                opened.append(said)
-    notes = [f"so that the constraints hold, the {said}" for said in moved]
-    if opened:
-        notes.append(f"from the constraints: the {', the '.join(opened)}")
-    return tuple(notes)

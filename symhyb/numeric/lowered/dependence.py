@@ -16,6 +16,9 @@ from symhyb.numeric.kernels.buffers import Array
 DEPENDENT = 1e-5  # of the length of a row of J: what is left of it beside the rows before. Where
 # a loop locks, Newton's method finds the place, a double root, to the square root of rounding only
 NOTHING = 1e-12  # of the longest row of the same constraint: what rounding leaves of a zero
+# what hinges leave that are parallel to the digits of a file, of the longest row of the same pin: a
+# quaternion of four digits is off by up to 1.7e-4 rad, 1.5708 for a right angle by 4e-6
+SLIGHT = 2e-4
 
 
 def dependent(whole: Array, free: NDArray[np.bool_], labels: Sequence[str]) -> dict[int, list[int]]:
@@ -36,6 +39,20 @@ def dependent(whole: Array, free: NDArray[np.bool_], labels: Sequence[str]) -> d
         several = size > floor[i]
         found[i] = [kept_rows[j] for j in np.flatnonzero(shares > 1e-6 * size) if several]
     return found
+
+
+def slight(
+    slopes: Sequence[Array], labels: Sequence[str], names: Sequence[str], share: float = SLIGHT
+) -> tuple[int, ...]:
+    """Rows of the constraints of these ``names`` that are no longer than a ``share`` of the longest
+    row of the same one, in all J (m, n) given, SI; ``labels`` (m,) say which are of one
+    constraint."""
+    of = np.array([constraint_of(label) for label in labels])
+    small = np.isin(of, list(names))
+    for slope in slopes:
+        sizes = np.linalg.norm(slope, axis=1)
+        small &= sizes <= share * np.array([sizes[of == name].max() for name in of])
+    return tuple(int(row) for row in np.flatnonzero(small))
 
 
 def _rounding(whole: Array, labels: Sequence[str]) -> Array:

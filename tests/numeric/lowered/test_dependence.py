@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 
-from symhyb.numeric.lowered.dependence import dependent, idle
+from symhyb.numeric.lowered.dependence import dependent, idle, slight
 
 ALL = np.ones(3, dtype=bool)
 
@@ -18,6 +18,16 @@ def test_what_rounding_leaves_of_a_zero_is_a_zero() -> None:
     rows = np.array([[1.0, 0, 0], [3e-17, 0, 2e-17], [0, 1e-13, 0]])
     assert dependent(rows, ALL, ("pin.x", "pin.y", "other")) == {1: []}
     assert dependent(rows, ALL, ("pin.x", "single", "other")) == {}
+
+
+def test_what_hinges_leave_that_are_nearly_parallel_is_slight() -> None:
+    """Everywhere, and of a vector alone: a small row of another constraint counts."""
+    labels, vectors = ("pin.x", "pin.y", "single"), ["pin"]
+    nearly, more = (np.array([[1.0, 0, 0], [0, y, 0], [0, 0, 1e-6]]) for y in (1e-4, 1e-3))
+    assert slight([nearly], labels, vectors) == (1,)
+    assert slight([nearly, more], labels, vectors) == ()
+    assert slight([nearly], labels, []) == ()
+    assert slight([nearly], labels, vectors, 1e-5) == ()
 
 
 def test_what_is_imposed_does_not_count() -> None:
