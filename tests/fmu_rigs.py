@@ -1,6 +1,7 @@
 """Models as FMUs, and FMUs that misbehave."""
 
 import zipfile
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,13 +29,26 @@ def _made(model: Model, fmi: int, kinds: tuple[str, ...]) -> dict[str, bytes]:
 def misbehaving(path: Path, where: str, what: str) -> None:
     """Let the FMU at ``path`` (FMI 2, with sources) do ``what``, a line of C, whenever the line
     ``where`` of its sources is reached."""
-    with zipfile.ZipFile(path) as packed:
-        parts = {name: packed.read(name) for name in packed.namelist()}
     source = "sources/machine.c"
-    code = parts[source].decode()
+    with zipfile.ZipFile(path) as packed:
+        code = packed.read(source).decode()
     assert code.count(where) == 1
     code = code.replace(where, f"{where} {what}")
-    parts["binaries/linux64/machine.so"] = shared_library(code, "machine", "linux64")
+    _replace(path, {"binaries/linux64/machine.so": shared_library(code, "machine", "linux64")})
+
+
+def redescribed(path: Path, change: Callable[[str], str]) -> None:
+    """Change the description of the FMU at ``path``."""
+    name = "modelDescription.xml"
+    with zipfile.ZipFile(path) as packed:
+        before = packed.read(name).decode()
+    assert change(before) != before
+    _replace(path, {name: change(before).encode()})
+
+
+def _replace(path: Path, news: Mapping[str, bytes]) -> None:
+    with zipfile.ZipFile(path) as packed:
+        parts = {name: packed.read(name) for name in packed.namelist()}
     with zipfile.ZipFile(path, "w") as packed:
-        for name, data in parts.items():
+        for name, data in {**parts, **news}.items():
             packed.writestr(name, data)

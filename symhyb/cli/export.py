@@ -87,9 +87,9 @@ def export(
     By default the elements that a diagnosis found, as a force element: coordinates and speeds in,
     +dF out, which the host adds to its applied forces. With --whole the inputs of the model in, its
     sensors and coordinates out. Everything is in SI. To urdf and mjcf: a copy of the robot's own
-    file with the damping, friction and rotor inertia that the model has in its joints. To curve:
-    tables of the force over stretch or rate, a file for each place. To monitor: what symhyb watch
-    does as C code, for a target without Python.
+    file with the damping, friction and rotor inertia that the model has in its joints and the
+    masses of its bodies. To curve: tables of the force over stretch or rate, a file for each place.
+    To monitor: what symhyb watch does as C code, for a target without Python.
 
     \b
     Examples:

@@ -149,7 +149,7 @@ def _monitor(model: Model, order: Order, name: str, output: Path) -> tuple[str, 
 
 
 def _robot(model: Model, source: Path, form: str, output: Path) -> tuple[str, ...]:
-    """Write the robot's own file with what the model says of its joints."""
+    """Write the robot's own file with what the model says of its joints and links."""
     from symhyb.export.robot.robot_file import rewritten  # an extra, imported where it is used
 
     if output.exists() and source.exists() and output.samefile(source):
@@ -157,7 +157,7 @@ def _robot(model: Model, source: Path, form: str, output: Path) -> tuple[str, ..
     done = rewritten(model, source, form)
     write_file(output, done.text)
     return (
-        f"{output}: {source.name} with the losses of the model",
+        f"{output}: {source.name} with the losses and masses of the model",
         *(f"  {x}" for x in done.notes),
     )
 

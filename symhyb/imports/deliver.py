@@ -71,7 +71,15 @@ def read_robot(path: Path) -> Robot:
     Raises:
         InputError: every problem of the file.
     """
-    data, file = content_of(path, ROBOT_BYTES), str(path)
+    return parse_robot(content_of(path, ROBOT_BYTES), str(path))
+
+
+def parse_robot(data: bytes, file: str = "") -> Robot:
+    """A robot from the bytes of a URDF or an MJCF.
+
+    Raises:
+        InputError: every problem of the file.
+    """
     read = parse_mjcf if parse_xml(data, file).tag == "mujoco" else parse_urdf
     return read(data, file)
 

@@ -133,7 +133,7 @@ def _robot(model: Compiled, file: str) -> Robot:
             joints.append(_tied(unused(f"{name}_fixed", taken), parent, name, pose))
             parent, pose = name, here()
         origins[number] = parent, pose
-        links[name] = Link(name, _inertial(model, number, pose))
+        links[name] = Link(name, _inertial(model, number, pose), origin=_three(pose.at))
     driven = _driven(model)
     gravity = _three(model.arrays["gravity"])
     return Robot(

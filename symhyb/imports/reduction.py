@@ -10,7 +10,7 @@ so a machine has as many bodies as joints that move.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -58,8 +58,8 @@ class Drive:
 class Moved:
     """A body that moves: the ``joint`` by which it hangs on ``carrier`` (the ground, if empty), the
     constant ``pose`` of the joint's frame in that, what ``drives`` it (of a joint with one
-    coordinate), its ``inertial`` in the axes of the child link, the other ``links`` in it, and
-    its ``tips``, where it may carry something."""
+    coordinate), its ``inertial`` in the axes of the child link, the other ``links`` in it, the
+    ``poses`` of all its links in these axes, and its ``tips``, where it may carry something."""
 
     joint: Joint
     carrier: str
@@ -68,6 +68,7 @@ class Moved:
     inertial: Inertial | None
     links: tuple[str, ...]
     tips: tuple[Tip, ...] = ()
+    poses: Mapping[str, Pose] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -104,7 +105,7 @@ def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
         InputError: a wish names a joint that is not there, or nothing moves.
     """
     wish = wish or Wish()
-    joints = _freed(robot) if wish.free else robot.joints
+    joints = freed(robot) if wish.free else robot.joints
     by_name = {joint.name: joint for joint in joints}
     drives = {joint.name: _drive(joint, by_name) for joint in joints if joint.kind in STRAIGHT}
     _refuse(robot, by_name, drives, wish)
@@ -149,7 +150,7 @@ def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
     )
 
 
-def _freed(robot: Robot) -> tuple[Joint, ...]:
+def freed(robot: Robot) -> tuple[Joint, ...]:
     """The joints behind one by which the root is free to move in space."""
     names = {joint.name for joint in robot.joints}
     name = robot.root
@@ -280,9 +281,11 @@ def _bodies(
         ]
         inertial, note = _filled(name, [part for part in parts if part.mass or part.tensor.any()])
         welded = held[name]
-        tips, left_out = tips_of(robot, name, welded, {k: places[k][1] for k in (name, *welded)})
+        poses = {link: places[link][1] for link in (name, *welded)}
+        tips, left_out = tips_of(robot, name, welded, poses)
         notes += [*note, *left_out]
-        bodies.append(replace(body, inertial=inertial, links=tuple(welded), tips=tips))
+        links = tuple(welded)
+        bodies.append(replace(body, inertial=inertial, links=links, tips=tips, poses=poses))
     return tuple(bodies), places, tuple(notes)
 
 

@@ -21,6 +21,7 @@ from symhyb.imports.robot import Array, Inertial
 
 SAME = 1e-9  # rad, and of components of unit vectors
 SLIGHT = 1e-9  # relative, of principal moments: rounding
+ROUNDING = 1e-14  # relative, of second moments: what is left of a zero by sums
 DENSITY = 2700.0  # kg/m³, of aluminium: of what links are made
 
 
@@ -35,6 +36,13 @@ class Pose:
     def then(self, inner: "Pose") -> "Pose":
         """A frame that is given in this one, in the frame in which this one is given."""
         return Pose(self.turned @ inner.turned, self.turned @ inner.at + self.at)
+
+    @property
+    def matrix(self) -> Array:
+        """T (4, 4): coordinates in the other frame are T·(r, 1)."""
+        found: Array = np.eye(4)
+        found[:3, :3], found[:3, 3] = self.turned, self.at
+        return found
 
 
 def here() -> Pose:
@@ -155,10 +163,11 @@ def is_of_a_body(tensor: Array) -> bool:
     return bool(second[0] >= -SLIGHT * max(second[-1], 0.0))
 
 
-def nearest_of_a_body(tensor: Array) -> Array:
-    """The tensor (3, 3), SI, of a body whose second moments are nearest to those of this one."""
+def nearest_of_a_body(tensor: Array, least: float = 0.0) -> Array:
+    """The tensor (3, 3), SI, of a body whose second moments are nearest to those of this one, the
+    principal ones at least that part of the largest."""
     values, axes = np.linalg.eigh(_second_moments(tensor))
-    second = (axes * np.maximum(values, 0.0)) @ axes.T
+    second = (axes * np.maximum(values, least * values[-1])) @ axes.T
     nearest: Array = np.trace(second) * np.eye(3) - second
     return nearest
 
@@ -166,6 +175,25 @@ def nearest_of_a_body(tensor: Array) -> Array:
 def _second_moments(tensor: Array) -> Array:
     second: Array = np.trace(tensor) / 2 * np.eye(3) - tensor
     return second
+
+
+def pseudo_inertia(part: Inertial) -> Array:
+    """∫ (r, 1)(r, 1)ᵀ dm (4, 4) about the origin, SI: second moments, first moments and mass, which
+    add up over bodies. In a frame in which this one lies at T (4, 4) it is T·P·Tᵀ."""
+    arm, whole = np.array([*part.centre, 1.0]), np.zeros((4, 4))
+    whole[:3, :3] = _second_moments(part.tensor)
+    pseudo: Array = whole + part.mass * np.outer(arm, arm)
+    return pseudo
+
+
+def from_pseudo_inertia(pseudo: Array) -> Inertial:
+    """Mass, centre and tensor about that of ∫ (r, 1)(r, 1)ᵀ dm (4, 4), SI; without mass the centre
+    is the origin."""
+    mass = float(pseudo[3, 3])
+    centre = pseudo[:3, 3] / mass if mass else np.zeros(3)
+    second = pseudo[:3, :3] - mass * np.outer(centre, centre)
+    second[np.abs(second) <= ROUNDING * np.abs(np.diag(pseudo)[:3]).max()] = 0.0
+    return Inertial(mass, centre, np.trace(second) * np.eye(3) - second)
 
 
 def ball(mass: float) -> float:

@@ -29,11 +29,13 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid body by its ``name``; ``line`` is where the file declares it."""
+    """A rigid body by its ``name``; ``line`` is where the file declares it, ``origin`` (m, in the
+    axes of the link) where the file counts its places from."""
 
     name: str
     inertial: Inertial | None = None
     line: int = 0
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """An FMU that is asked along a motion: the same answers from every form of FMI, and one sentence
 for every FMU that cannot answer."""
 
+import re
 from dataclasses import astuple, replace
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
 from symhyb.units import ONE
-from tests.fmu_rigs import as_fmu, misbehaving
+from tests.fmu_rigs import as_fmu, misbehaving, redescribed
 
 ARM = Path(__file__).parents[2] / "models" / "two_link_arm.toml"
 MASS = parse_model(DRIVEN_MASS)
@@ -161,6 +162,30 @@ def test_states_beside_those_of_the_coordinates_are_refused(tmp_path: Path) -> N
     memory = '\n[elements.rest]\nkind = "relaxation"\non = "x"\nstiffness = "k"\ndamping = "d"\n'
     model = as_fmu(parse_model(DRIVEN_MASS + memory), tmp_path)
     assert "has states that are no position and no rate of a coordinate: z.rest" in refused(model)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_derivative_is_known_by_its_name_where_the_fmu_does_not_say_whose_it_is(
+    fmi: int, tmp_path: Path
+) -> None:
+    """As FMUs of rumoca, which leave the attribute out."""
+    model = as_fmu(read_model(ARM), tmp_path, fmi)
+    question, file = asked(model), tmp_path / "machine.fmu"
+    expected = answer(model, question)
+    redescribed(file, lambda text: re.sub(r' derivative="[0-9]+"', "", text))
+    for found, other in zip(astuple(answer(model, question)), astuple(expected), strict=True):
+        assert np.array_equal(found, other)
+    redescribed(file, lambda text: re.sub(r'"der\((.*?)\)"', r'"rate of \1"', text))
+    said = refused(model)
+    assert said.count("does not say of which state 'rate of ") == 4
+
+
+def test_an_fmu_that_begins_elsewhere_than_told_is_refused(tmp_path: Path) -> None:
+    """As co-simulation by qfmu, whose states begin where parameters of it say."""
+    model = as_fmu(MASS, tmp_path, 2, ("cs",))
+    where = 'SELF(INITIAL, "fmi2ExitInitializationMode");'
+    misbehaving(tmp_path / "machine.fmu", where, "self->m.v[4] = 0;")
+    assert "does not begin at the positions and rates that are set" in refused(model)
 
 
 def test_what_is_no_fmu_is_refused(tmp_path: Path) -> None:

@@ -13,12 +13,14 @@ from symhyb.imports.rigid import (
     about_point,
     about_vector,
     ball,
+    from_pseudo_inertia,
     from_rpy,
     here,
     is_of_a_body,
     joined,
     moved,
     nearest_of_a_body,
+    pseudo_inertia,
     quaternion_of,
     right_angles,
     to_rpy,
@@ -88,6 +90,29 @@ def test_bodies_that_are_welded_are_one_body() -> None:
     assert np.allclose(here().then(pose).turned, pose.turned)
 
 
+def test_pseudo_inertias_are_sums_over_points_in_any_frame() -> None:
+    rng = np.random.default_rng(2)
+    mass, at = rng.uniform(0.1, 2, 10), rng.uniform(-1, 1, (10, 3))
+    arms = np.column_stack([at, np.ones(10)])
+    whole = points(mass, at)
+    assert np.allclose(pseudo_inertia(whole), arms.T @ (mass[:, None] * arms), atol=1e-14)
+    pose = Pose(from_rpy((0.3, -0.2, 0.9)), np.array([0.5, 0.1, -0.4]))
+    turned = pseudo_inertia(moved(whole, pose))
+    assert np.allclose(turned, pose.matrix @ pseudo_inertia(whole) @ pose.matrix.T, atol=1e-13)
+    back = from_pseudo_inertia(pseudo_inertia(whole))
+    assert back.mass == pytest.approx(whole.mass)
+    assert np.allclose(back.centre, whole.centre, atol=1e-15)
+    assert np.allclose(back.tensor, whole.tensor, atol=1e-13)
+
+
+def test_of_a_point_no_inertia_is_left_by_rounding() -> None:
+    point = Inertial(0.37, np.array([0.1, 0.7, -0.3]), np.zeros((3, 3)))
+    assert not from_pseudo_inertia(pseudo_inertia(point)).tensor.any()
+    rotor = from_pseudo_inertia(pseudo_inertia(Inertial(0.0, np.zeros(3), np.eye(3))))
+    assert rotor.mass == 0
+    assert np.array_equal(rotor.tensor, np.eye(3))
+
+
 def test_without_mass_inertias_add() -> None:
     rotor = Inertial(0.0, np.ones(3), np.eye(3))
     assert np.allclose(joined([rotor, rotor]).tensor, 2 * np.eye(3))
@@ -120,6 +145,11 @@ def test_which_moments_a_body_can_have(moments: tuple[float, ...], possible: boo
 def test_the_nearest_body_has_the_second_moments_that_are_not_negative() -> None:
     """xx = (J_yy + J_zz − J_xx)/2: here 1.5, 1.5 and −0.5, of which the last becomes 0."""
     assert np.allclose(nearest_of_a_body(np.diag([1, 1, 3])), np.diag([1.5, 1.5, 3]))
+
+
+def test_a_body_may_be_no_thinner_than_told() -> None:
+    plate = nearest_of_a_body(np.diag([1.0, 1.0, 2.0]), 0.1)
+    assert np.allclose(plate, np.diag([1.1, 1.1, 2.0]))
 
 
 def test_a_ball_of_aluminium() -> None:

@@ -143,10 +143,15 @@ class _About:
         """
         known = {variable.name: variable for variable in description.modelVariables}
         made = [unknown.variable for unknown in description.derivatives]
-        states = [variable.derivative.name for variable in made]
+        states = [_derived(variable, known) for variable in made]
         wanted = [name for place in names["places"] for name in place[:2]]
         forces = [place[2] for place in names["places"] if place[2]]
         faults = [
+            *(
+                f"does not say of which state '{variable.name}' is the derivative"
+                for variable, state in zip(made, states, strict=True)
+                if not state
+            ),
             *(
                 f"has no state '{name}'{did_you_mean(name, states)}"
                 for name in wanted
@@ -172,6 +177,16 @@ class _About:
             tuple(states.index(name) for name in [*places, *rates]),
             tuple(names["masses"]),
         )
+
+
+def _derived(variable: Any, known: dict[str, Any]) -> str:
+    """The state of which a variable is the derivative, empty where nothing says so: FMI has an
+    attribute for it; where that is left out, der(NAME) is the name of a derivative (FMI 2.0,
+    2.2.9)."""
+    if variable.derivative is not None:
+        return str(variable.derivative.name)
+    inner = variable.name.removeprefix("der(").removesuffix(")")
+    return inner if variable.name == f"der({inner})" and inner in known else ""
 
 
 def _not(causality: str, names: Sequence[str], known: dict[str, Any]) -> Iterator[str]:
@@ -204,7 +219,9 @@ def _started(
     fmu.instantiate()
     calls = _Calls(fmu, major)
     if which == "coSimulation":
-        return _Restarted(calls, about, values)
+        restarted = _Restarted(calls, about, values)
+        restarted.require_set(first, file)
+        return restarted
     calls.set(about.parameters, values)
     calls.initialised(first, ())
     calls.settled()
@@ -284,6 +301,17 @@ class _Restarted:
         calls.set(about.states, x)
         calls.initialised(t, ((about.inputs, u),))
         return np.array(calls.get(about.rates))
+
+    def require_set(self, t: float, file: str) -> None:
+        """Refuse an FMU that begins elsewhere than at the states that are set."""
+        wanted = np.linspace(0.1, 0.2, len(self._about.states))  # of no place at which one begins
+        self.rates(t, wanted, np.zeros(len(self._about.inputs)))
+        if np.abs(self._calls.get(self._about.states) - wanted).max() > EXACT:
+            text = (
+                "does not begin at the positions and rates that are set before it is initialised; "
+                "ask its maker for model exchange"
+            )
+            raise refusal(file, text)
 
 
 def _fill(buffer: "CArray[c_double]", values: Array) -> None:

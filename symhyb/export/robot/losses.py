@@ -12,7 +12,7 @@ from symhyb.discrepancy.words.amounts import number_text
 from symhyb.imports.names import identifier
 from symhyb.imports.robot import STRAIGHT, Joint, Robot
 from symhyb.model.expression import Expression, evaluate
-from symhyb.model.scope import numbers_of
+from symhyb.model.scope import constant_of, numbers_of
 from symhyb.model.switching import gradual
 from symhyb.model.types import Element, Model, On
 
@@ -34,20 +34,26 @@ class Losses:
     more: tuple[str, ...] = ()
 
 
-def losses_of(model: Model, robot: Robot) -> tuple[tuple[Losses, ...], tuple[str, ...]]:
-    """The losses of every joint that is a coordinate of the model, and what was found elsewhere."""
+def losses_of(
+    model: Model, robot: Robot, imported: Model | None = None, taken: frozenset[str] = frozenset()
+) -> tuple[tuple[Losses, ...], tuple[str, ...]]:
+    """The losses of every joint that is a coordinate of the model, and what was found elsewhere but
+    for the elements that are ``taken`` as masses; ``imported`` is what an import of the robot's
+    file finds there."""
     mine = {name: joint for name, joint in _joints(model, robot) if _moves(joint)}
     found = []
     for name, joint in mine.items():
         on = [one for one in model.elements if one.place == On(name)]
-        sizes = _before(model, joint)
+        sizes = _before(model, joint, name, imported)
         more = []
         for element in on:
             if _is_plain(element):
                 sizes[element.kind] += _size(model, element, element.value(PLAIN[element.kind]))
                 if gradual(model, element):
                     more.append(f"{_said(model, element)}: that it turns over gradually")
-            elif element.found or element.kind not in PUSHED:
+            elif not _stands_there(model, element, imported) and (
+                element.found or element.kind not in PUSHED
+            ):
                 more.append(_said(model, element))
         found.append(
             Losses(joint.name, sizes["damper"], sizes["friction"], sizes["added_mass"], tuple(more))
@@ -55,7 +61,9 @@ def losses_of(model: Model, robot: Robot) -> tuple[tuple[Losses, ...], tuple[str
     elsewhere = [
         f"{_said(model, one)}: it acts at no single joint"
         for one in model.elements
-        if one.found and not (isinstance(one.place, On) and one.place.coordinate in mine)
+        if one.found
+        and one.name not in taken
+        and not (isinstance(one.place, On) and one.place.coordinate in mine)
     ]
     return tuple(found), tuple(elsewhere)
 
@@ -71,10 +79,19 @@ def _joints(model: Model, robot: Robot) -> Iterator[tuple[str, Joint]]:
     yield from ((name, joints[joint]) for name, joint in pairs if joint in joints)
 
 
-def _before(model: Model, joint: Joint) -> dict[str, float]:
-    """What a joint has before elements add to it, SI."""
+def _before(
+    model: Model, joint: Joint, coordinate: str, imported: Model | None
+) -> dict[str, float]:
+    """What a joint has before elements of the model add to it, SI: without those that an import
+    makes, of itself and of joints that follow it by a ratio of 1."""
     if model.mujoco is None:
-        return dict.fromkeys(PLAIN, 0.0)
+        if imported is None:
+            return dict.fromkeys(PLAIN, 0.0)
+        sizes = {"damper": joint.damping, "friction": joint.friction, "added_mass": joint.armature}
+        for one in imported.elements:
+            if one.place == On(coordinate) and one.kind in PLAIN:
+                sizes[one.kind] -= _size(imported, one, one.value(PLAIN[one.kind]))
+        return sizes
     values = {one.path: one.si for one in model.parameters}
     stated = {
         one.field: values[one.parameter]
@@ -99,6 +116,16 @@ def _is_plain(element: Element) -> bool:
         return False
     keys = {key for key, _ in element.values}
     return keys <= {PLAIN[element.kind], *BESIDE.get(element.kind, ())}
+
+
+def _stands_there(model: Model, element: Element, imported: Model | None) -> bool:
+    """Whether an element is one that the robot's file states, with the same numbers."""
+    if imported is None:
+        return False
+    theirs = {one.name: one for one in imported.elements}.get(element.name)
+    return theirs == element and all(
+        constant_of(value, model) == constant_of(value, imported) for _, value in element.values
+    )
 
 
 def _size(model: Model, element: Element, expression: Expression | None) -> float:

@@ -1,7 +1,7 @@
 """Where elements of XML stand in a text, and small changes of it that leave all else as it was."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from xml.sax.handler import ContentHandler
@@ -101,10 +101,14 @@ def changed(text: str, changes: list[Change]) -> str:
     return text
 
 
-def with_attributes(text: str, span: Span, values: Mapping[str, str]) -> Change:
+def with_attributes(
+    text: str, span: Span, values: Mapping[str, str], without: Iterable[str] = ()
+) -> Change:
     """The change of a start tag that gives attributes these values: in place where they are, else
-    behind the last one."""
+    behind the last one; those it shall be ``without`` go."""
     tag = text[span.begin : span.inside]
+    for name in without:
+        tag = re.sub(rf"\s{re.escape(name)}\s*=\s*(\"[^\"]*\"|'[^']*')", "", tag)
     for name, value in values.items():
         known = re.search(rf"(\s{re.escape(name)}\s*=\s*)(\"[^\"]*\"|'[^']*')", tag)
         if known:
@@ -121,6 +125,41 @@ def indent_of(text: str, place: int) -> str:
     """The white space before the first letter of the line of a place."""
     line = text[text.rfind("\n", 0, place) + 1 : place]
     return line[: len(line) - len(line.lstrip())]
+
+
+def first_inside(text: str, span: Span, lines: Sequence[str]) -> list[Change]:
+    """Lines behind the start tag of an element, each indented as its children are."""
+    return _block(text, span, lines, span.inside)
+
+
+def last_inside(text: str, span: Span, lines: Sequence[str]) -> list[Change]:
+    """Lines before the end tag of an element, each indented as its children are."""
+    return _block(text, span, lines, len(text[: span.end].rstrip()))
+
+
+def _block(text: str, span: Span, lines: Sequence[str], place: int) -> list[Change]:
+    if not lines:
+        return []
+    newline, pad = newline_of(text), indent_of(text, span.begin)
+    step = indent_of(text, span.children[0].begin) if span.children else pad
+    step = step if len(step) > len(pad) else pad + "  "
+    block = "".join(f"{newline}{step}{line}" for line in lines)
+    if span.inside < span.end or not text.startswith("/>", span.inside - 2):
+        return [(place, place, block)]
+    close = len(text[: span.inside - 2].rstrip())  # an element without an end tag gets one
+    return [(close, span.inside, f">{block}{newline}{pad}</{span.tag}>")]
+
+
+def before(text: str, span: Span, lines: Sequence[str]) -> list[Change]:
+    """Lines before an element, indented as it is."""
+    newline, pad = newline_of(text), indent_of(text, span.begin)
+    block = "".join(f"{line}{newline}{pad}" for line in lines)
+    return [(span.begin, span.begin, block)] if lines else []
+
+
+def newline_of(text: str) -> str:
+    """How lines end in a text."""
+    return "\r\n" if "\r\n" in text else "\n"
 
 
 def comment(text: str) -> str:

@@ -230,6 +230,18 @@ def test_a_model_that_says_nothing_new_changes_nothing(arm: Path) -> None:
     assert rewritten(corrected(arm, ""), arm, "urdf").text == arm.read_bytes().decode()
 
 
+def test_what_follows_a_joint_has_its_own_damping(arm: Path) -> None:
+    """The damping of both acts on one coordinate; the file states each at its joint."""
+    mimic = '<axis xyz="0 0 1"/> <mimic joint="shoulder"/> <dynamics damping="0.7"/>'
+    parts = arm.read_bytes().decode().rpartition('<axis xyz="0 0 1"/>')
+    arm.write_bytes((parts[0] + mimic + parts[2]).encode())
+    assert rewritten(corrected(arm, ""), arm, "urdf").text == arm.read_bytes().decode()
+    found = FOUND[FOUND.index("[elements.found_damper]") : FOUND.index("[elements.found_loss]")]
+    done = rewritten(corrected(arm, found), arm, "urdf")
+    assert "shoulder: damping 0.14" in done.notes
+    assert '<dynamics damping="0.7"/>' in done.text
+
+
 def test_the_verb_writes_it_and_says_what_has_no_place(
     arm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,7 +2,15 @@
 
 import pytest
 
-from symhyb.export.robot.spans import changed, comment, end_of_tag, spans_of, with_attributes
+from symhyb.export.robot.spans import (
+    changed,
+    comment,
+    end_of_tag,
+    first_inside,
+    last_inside,
+    spans_of,
+    with_attributes,
+)
 
 TEXT = """<a>
   <!-- ß → > --> <b x='1>0' y = "2"><c/></b>\r
@@ -33,6 +41,20 @@ def test_attributes_change_in_place_or_come_last() -> None:
     assert '<b x="5" y = "2" z="6"><c/></b>' in done
     assert '<b x="7"/>' in done
     assert spans_of(done).every("b")[0].attributes == {"x": "5", "y": "2", "z": "6"}
+
+
+def test_attributes_can_go() -> None:
+    first, _ = spans_of(TEXT).every("b")
+    assert '<b y = "2"><c/></b>' in changed(TEXT, [with_attributes(TEXT, first, {}, ["x", "z"])])
+
+
+def test_lines_come_into_an_element_at_its_begin_or_end() -> None:
+    text = "<a>\n  <b>\n    <c/>\n  </b>\n  <d />\n</a>"
+    _, (b,), (d,) = (spans_of(text).every(tag) for tag in "abd")
+    done = changed(text, [*first_inside(text, b, ["<x/>"]), *last_inside(text, b, ["<y/>"])])
+    assert "<b>\n    <x/>\n    <c/>\n    <y/>\n  </b>" in done
+    assert "  <d>\n    <x/>\n  </d>\n" in changed(text, first_inside(text, d, ["<x/>"]))
+    assert last_inside(text, d, []) == []
 
 
 def test_a_tag_that_never_ends_ends_with_the_text() -> None:
