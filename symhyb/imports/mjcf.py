@@ -34,10 +34,13 @@ _ARRAYS = (
     *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_objtype"),
     *("eq_obj1id", "eq_obj2id", "eq_data", "eq_active0", "actuator_trntype", "actuator_trnid"),
     *("actuator_gear", "actuator_armature", "actuator_damping", "body_mocapid", "site_bodyid"),
-    *("site_pos", "site_quat"),
+    *("site_pos", "site_quat", "jnt_actfrclimited", "jnt_actfrcrange", "actuator_forcelimited"),
+    *("actuator_forcerange", "actuator_ctrllimited", "actuator_ctrlrange", "actuator_gaintype"),
+    *("actuator_gainprm", "actuator_biastype"),
 )
 _KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
 _AT_JOINT = (0, 1)  # the types of an actuator that acts on a joint
+_FIXED, _NONE = 0, 0  # the types of gain and bias of a motor
 
 
 def parse_mjcf(data: bytes, file: str = "") -> Robot:
@@ -229,7 +232,9 @@ def _joint(
         _three(axis),
         damping=float(arrays["dof_damping"][dof]) + motors[0],
         friction=float(arrays["dof_frictionloss"][dof]),
-        range=Range((low, high) if arrays["jnt_limited"][one] else None),
+        range=Range(
+            (low, high) if arrays["jnt_limited"][one] else None, effort=_effort(model, one)
+        ),
         mimic=held.mimics.get(name),
         armature=float(arrays["dof_armature"][dof]) + motors[1],
         spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
@@ -242,11 +247,45 @@ def _joint(
 
 def _of_motors(model: Compiled, name: str, joint: int) -> float:
     """What the actuators of a joint add to it: theirs is at the motor, before the gear."""
-    kinds = model.arrays["actuator_trntype"]
+    return sum(_gear(model, k) ** 2 * float(model.arrays[name][k]) for k in _at(model, joint))
+
+
+def _at(model: Compiled, joint: int) -> list[int]:
+    """The actuators that act on a joint."""
     targets = model.arrays["actuator_trnid"].reshape(-1, 2)[:, 0]
-    gears = model.arrays["actuator_gear"].reshape(-1, 6)[:, 0]
-    mine = np.isin(kinds, _AT_JOINT) & (targets == joint)
-    return float(np.sum((gears**2 * model.arrays[name])[mine]))
+    mine = np.isin(model.arrays["actuator_trntype"], _AT_JOINT) & (targets == joint)
+    return [int(k) for k in np.flatnonzero(mine)]
+
+
+def _gear(model: Compiled, actuator: int) -> float:
+    return float(model.arrays["actuator_gear"].reshape(-1, 6)[actuator, 0])
+
+
+def _effort(model: Compiled, joint: int) -> float | None:
+    """How strongly a joint may be driven in either direction, N or N·m: by all its actuators, and
+    as it is limited itself; None where neither is."""
+    motors = [abs(_gear(model, k)) * _strength(model, k) for k in _at(model, joint)]
+    together = sum(motors) if motors else np.inf
+    least = min(together, _either_way(model, "jnt_actfrc", joint))
+    return least if 0 < least < np.inf else None
+
+
+def _strength(model: Compiled, actuator: int) -> float:
+    """The largest force of an actuator, before its gear; infinite where it is not limited."""
+    strength = _either_way(model, "actuator_force", actuator)
+    arrays = model.arrays
+    kinds = arrays["actuator_gaintype"][actuator], arrays["actuator_biastype"][actuator]
+    if kinds == (_FIXED, _NONE):
+        gain = abs(float(arrays["actuator_gainprm"][actuator, 0]))
+        strength = min(strength, gain * _either_way(model, "actuator_ctrl", actuator))
+    return strength
+
+
+def _either_way(model: Compiled, name: str, row: int) -> float:
+    """The end of a range that is nearer to zero; infinite where there is none."""
+    if not model.arrays[f"{name}limited"][row]:
+        return np.inf
+    return float(np.abs(model.arrays[f"{name}range"].reshape(-1, 2)[row]).min())
 
 
 def _driven(model: Compiled) -> frozenset[str] | None:

@@ -106,6 +106,30 @@ def test_what_an_actuator_adds_to_its_joint_is_behind_its_gear() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("motors", "own", "effort"),
+    [
+        ('<motor joint="j" gear="3" ctrlrange="-2 2"/>', "", 6.0),
+        ('<motor joint="j" gear="-3" forcerange="-5 4" ctrlrange="-2 2"/>', "", 6.0),
+        ('<motor joint="j" forcerange="-1 1.5"/><motor joint="j" ctrlrange="-1 1"/>', "", 2.0),
+        ('<motor joint="j" ctrlrange="-2 2"/><motor joint="j"/>', "", None),
+        ('<motor joint="j" ctrlrange="-2 2"/><motor joint="j"/>', "-7 7", 7.0),
+        ('<position joint="j" kp="50" ctrlrange="-2 2"/>', "", None),  # of a place, no force
+        ('<position joint="j" kp="50" ctrlrange="-2 2" forcerange="-9 9"/>', "", 9.0),
+        ('<motor joint="j" ctrlrange="0 2"/>', "", None),
+        ('<motor joint="j"/>', "", None),
+    ],
+)
+def test_how_strongly_a_joint_may_be_driven(motors: str, own: str, effort: float | None) -> None:
+    limit = f'actuatorfrcrange="{own}"' if own else ""
+    world = f'<body name="a">{INERTIAL}<joint name="j" {limit}/></body>'
+    robot, model, _ = imported(mjcf(world, f"<actuator>{motors}</actuator>"))
+    (joint,) = robot.joints
+    assert joint.range.effort == effort
+    stated = [one.between for one in model.limits if one.name == "j_torque"]
+    assert stated == ([] if effort is None else [(-effort, effort)])
+
+
 def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     w, x, y, z = left
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ right
