@@ -110,8 +110,9 @@ def _solve(matrix: Array, right: Array) -> None:  # pragma: no cover - compiled
     size, width, lanes = right.shape
     by = np.empty(lanes)
     for j in range(size):
-        for lane in range(lanes):
+        for lane in range(lanes if _too_small(matrix, j) else 0):
             _exchange(matrix, right, j, lane)
+        for lane in range(lanes):
             by[lane] = 1.0 / matrix[j, j, lane] if matrix[j, j, lane] != 0.0 else np.nan
         for c in range(j, size):
             for lane in range(lanes):
@@ -135,6 +136,16 @@ def _solve(matrix: Array, right: Array) -> None:  # pragma: no cover - compiled
             for c in range(width):
                 for lane in range(lanes):
                     right[i, c, lane] -= matrix[i, j, lane] * right[j, c, lane]
+
+
+@jitted
+def _too_small(matrix: Array, j: int) -> bool:  # pragma: no cover - compiled
+    """Whether the j-th pivot of any of the steps side by side is small beside an entry below it."""
+    found = 0
+    for i in range(j + 1, matrix.shape[0]):
+        for lane in range(matrix.shape[2]):
+            found += abs(matrix[i, j, lane]) > abs(matrix[j, j, lane]) / PIVOT_LEAST
+    return found > 0
 
 
 @jitted
