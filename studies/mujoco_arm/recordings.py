@@ -32,14 +32,14 @@ NOISE = 5e-5  # of the angles before they are counted, one standard deviation, r
 SECONDS = {"train": 8.0, "unseen": 6.0}
 SEEDS = {"train": 1, "unseen": 2}
 RATE_S = 8e-3  # time constant of the filter of the controller's rates
-AMPLITUDES = np.array([0.45, 0.25, 0.15])  # of a path, rad
 FADE_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """The owner's file (``robot``), its ``joints`` in the order of the file, each with an encoder,
-    and of the joints that are driven (D): their indices, and a path and a controller."""
+    """The owner's file (``robot``), those of its ``joints`` that move, in the order of the file,
+    each with an encoder, and of the joints that are driven (D): their indices, and a path and a
+    controller, whose torques are no larger than ``most``, N·m."""
 
     robot: Path
     joints: tuple[str, ...]
@@ -48,6 +48,8 @@ class Arm:
     frequencies: Array  # of its sines, (D, 3), Hz
     stiffness: Array  # of the controller, (D,), N·m/rad
     damping: Array  # (D,), N·m·s/rad
+    amplitudes: Array  # of the sines, (3,), rad
+    most: float = np.inf
 
 
 ARM = Arm(
@@ -58,6 +60,7 @@ ARM = Arm(
     np.array([[0.31, 0.83, 1.61], [0.37, 0.71, 1.49], [0.43, 0.97, 1.87]]),
     np.array([100.0, 250.0, 40.0]),
     np.array([6.0, 12.0, 1.0]),
+    np.array([0.45, 0.25, 0.15]),
 )
 GEARED = Arm(
     HERE / "geared.xml",
@@ -67,6 +70,7 @@ GEARED = Arm(
     ARM.frequencies[1:],
     ARM.stiffness[1:],
     ARM.damping[1:],
+    ARM.amplitudes,
 )
 
 
@@ -168,8 +172,13 @@ CASES: Mapping[str, Case] = {
 
 
 def real_arm(arm: Arm, change: Callable[[Any], None] | None) -> Any:
-    """MuJoCo's model of the real arm; without a ``change``, of the owner's file."""
+    """MuJoCo's model of the real arm; without a ``change``, of the owner's file. Joints that do not
+    move are locked where they are, and their motors are gone."""
     spec = mujoco.MjSpec.from_file(str(arm.robot))
+    for motor in [one for one in spec.actuators if one.target not in arm.joints]:
+        spec.delete(motor)
+    for joint in [one for one in spec.joints if one.name not in arm.joints]:
+        spec.delete(joint)
     spec.option.timestep = STEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.tolerance = 1e-12
@@ -182,8 +191,8 @@ def path(arm: Arm, t: float, phases: Array) -> tuple[Array, Array]:
     """Where the driven joints shall be at t, (D,) in rad, and how fast, (D,) in rad/s, along sines
     with ``phases`` (D, 3), rad; fades in from the middle."""
     turn = 2 * np.pi * arm.frequencies
-    swing = np.sin(turn * t + phases) @ AMPLITUDES
-    rate = (turn * np.cos(turn * t + phases)) @ AMPLITUDES
+    swing = np.sin(turn * t + phases) @ arm.amplitudes
+    rate = (turn * np.cos(turn * t + phases)) @ arm.amplitudes
     share = min(t / FADE_S, 1.0)
     fade, faster = share**2 * (3 - 2 * share), 6 * share * (1 - share) / FADE_S
     return arm.middle + fade * swing, fade * rate + faster * swing
@@ -208,7 +217,8 @@ def record(case: Case, part: str) -> dict[str, Array]:
             moved = (angles[row] - angles[row - 1])[driven] / CYCLE_S
             rate += CYCLE_S / (CYCLE_S + RATE_S) * (moved - rate)
         goal, speed = path(arm, row * CYCLE_S, phases)
-        torques[row] = arm.stiffness * (goal - angles[row, driven]) + arm.damping * (speed - rate)
+        asked = arm.stiffness * (goal - angles[row, driven]) + arm.damping * (speed - rate)
+        torques[row] = np.clip(asked, -arm.most, arm.most)
         for step in range(each):
             if step == late:
                 data.ctrl[:] = torques[row]
@@ -222,7 +232,7 @@ def record(case: Case, part: str) -> dict[str, Array]:
 def owners_model(case: Case, target: Path) -> sh.Model:
     """What `symhyb import` makes of the owner's file, written to ``target``, with what the owner
     adds to it: that the controller holds a torque until the next one, and what the case adds."""
-    deliver(case.arm.robot, Order(force=True), target)
+    deliver(case.arm.robot, Order(joints=case.arm.joints, force=True), target)
     text = target.read_text(encoding="utf-8")
     held = re.sub(r'(?m)^(\w+_torque += \{ unit = "N\*m",)', r'\1 between = "held",', text)
     target.write_text(case.adds(held), encoding="utf-8")
