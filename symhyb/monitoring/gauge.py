@@ -23,7 +23,7 @@ from symhyb.model.types import Model, Parameter
 from symhyb.model.vocabulary import force_unit, key_of
 from symhyb.monitoring.changes import Block, Causes, Reference
 from symhyb.monitoring.events import Amount
-from symhyb.monitoring.play import is_play, play_of, play_phrase, plays
+from symhyb.monitoring.play import is_law, is_play, play_of, play_phrase, plays
 from symhyb.numeric.kernels.buffers import Array
 
 WINDOWS_BLOCK = 1.25  # that a block lasts at least: its ends belong to no window
@@ -69,7 +69,7 @@ def gauge_of(model: Model, reference: Recording) -> Gauge:
     kept = [
         i
         for i, cause in enumerate(problem.hypotheses)
-        if i not in gone | setting.bent and not (cause.points or cause.variant)
+        if i not in gone | setting.bent and not (cause.points or cause.variant or is_law(cause))
     ]
     step = float(np.median(np.diff(prepared.runs[0].recording.t)))
     thinning = max(round(step / float(np.median(np.diff(reference.t)))), 1)

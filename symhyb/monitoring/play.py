@@ -7,6 +7,7 @@ It lacks k p sgn s of what the model says, to first order in p: one column of un
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.stiffness import stiffness_at
 from symhyb.discrepancy.words.formula import LAW
+from symhyb.laws import play
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import stretch_unit
 from symhyb.monitoring.events import Amount
@@ -24,6 +25,12 @@ def plays(model: Model) -> tuple[Hypothesis, ...]:
         Hypothesis(LAW, place, ("coefficient",), (False,), path=formula)
         for place, formula in places.items()
     )
+
+
+def is_law(cause: Hypothesis) -> bool:
+    """Whether a cause is the law of the list: its force is linear in a stiffness, which does not
+    change as play appears. A watch has the column above in its place."""
+    return cause.kind == play.LAW.name
 
 
 def is_play(cause: Hypothesis) -> bool:

@@ -83,6 +83,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             "law",
             "network",
             "payload",
+            "added_inertia",
             "play",  # beside a spring of the model
             "flow_drag",  # in a flow that was recorded
             "flow_lift",
