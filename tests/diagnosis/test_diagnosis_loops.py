@@ -17,7 +17,9 @@ from symhyb.model.types import On
 pytestmark = pytest.mark.thorough
 
 MODEL = read_model(Path(__file__).parents[2] / "models" / "slider_crank.toml")
-FRICTION, TRANSITION = 2.0, 2e-3  # N on the slider, m/s
+# N on the slider; m/s, as sharp as its noise can show: at 2 mm/s, 0.06 % of the largest speed,
+# 1.976 N are named beside friction in the rod, which is not there
+FRICTION, TRANSITION = 2.0, 4e-4
 STARTS = (0.3, 1.0, 2.0)  # rad
 STEP, LENGTH = 0.01, 4.0  # s
 
