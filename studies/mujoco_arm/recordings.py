@@ -234,7 +234,8 @@ def owners_model(case: Case, target: Path) -> sh.Model:
     adds to it: that the controller holds a torque until the next one, and what the case adds."""
     deliver(case.arm.robot, Order(joints=case.arm.joints, force=True), target)
     text = target.read_text(encoding="utf-8")
-    held = re.sub(r'(?m)^(\w+_torque += \{ unit = "N\*m",)', r'\1 between = "held",', text)
+    stated = r'(?m)^(\w+_torque += \{ unit = "N\*m",)(?= about)'  # among the inputs, not the limits
+    held = re.sub(stated, r'\1 between = "held",', text)
     target.write_text(case.adds(held), encoding="utf-8")
     return sh.read_model(target)
 

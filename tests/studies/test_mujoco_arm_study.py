@@ -213,7 +213,7 @@ LIKE_PUSHER = """<mujoco>
     </body>
   </worldbody>
   <actuator>
-    <motor joint="r_shoulder_pan_joint"/>
+    <motor joint="r_shoulder_pan_joint" ctrlrange="-2 2"/>
     <motor joint="r_shoulder_lift_joint"/>
     <motor joint="roll"/>
     <motor joint="r_elbow_flex_joint"/>
