@@ -19,7 +19,10 @@ from symhyb.laws.surface import bilinear
 
 STEPS = 2000  # of one turn
 TURNS = 2
-UNITS = {"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s", "b": "m", "b′": "m/s"}
+UNITS = {
+    **{"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s", "b": "m", "b′": "m/s"},
+    "ω′": "rad/s²",  # where the stretch is an angle
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,7 @@ DRIVES: Mapping[str, Drive] = {
     "flow_lift": Drive(),
     "friction": Drive(over="s′", values={"transition": 0.03}),
     "gap": Drive(0.25, 0.02),
+    "play": Drive(0.25),
     "hysteresis": Drive(0.1),
     "friction_dynamic": Drive(0.02),
     "relaxation": Drive(0.1, 5.0),
@@ -53,6 +57,7 @@ DRIVES: Mapping[str, Drive] = {
     "ripple": Drive(0.3),
     "added_mass": Drive(over="s″"),
     "payload": Drive(over="s″"),
+    "added_inertia": Drive(over="ω′"),
     "mode": Drive(pace=8.0),
     "hydromount": Drive(0.1, 25.0),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
@@ -91,7 +96,8 @@ def shown(law: Law) -> Shown | None:
     x = columns[drive.over]
     order = np.argsort(x, kind="stable") if not law.states else slice(None)
     x, force = x[order], force[order]
-    across, up = axis(drive.over, UNITS[drive.over], list(x)), axis("F", "N", list(force))
+    across = axis(drive.over, UNITS[drive.over], list(x))
+    up = axis("F", "N·m" if law.turns else "N", list(force))
     return Shown(
         drawn(x, force, across, up, f"F of {law.name} over {drive.over}"), values, drive.over
     )
@@ -118,7 +124,7 @@ def run(
         given["map"] = bilinear("map", *GRID)
     action = acting(law, drive, given, Motion(s, r, states(law, drive, given, t), t))
     force = np.broadcast_to(action.force + action.mass * a, t.shape)
-    columns = {"s": s, "s′": r, "s″": a, "t": t - t[last][0]}
+    columns = {"s": s, "s′": r, "s″": a, "ω′": a, "t": t - t[last][0]}
     return {name: column[last] for name, column in columns.items()}, force[last]
 
 

@@ -249,6 +249,7 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         "law",
         "network",
         "payload",
+        "added_inertia",
         "flow_drag",
         "flow_lift",
     }
