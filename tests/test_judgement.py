@@ -30,7 +30,6 @@ OTHERS = {
     "correction/adequacy/curves/fitted_curve.py": {"STANDS": "iteration"},
     "correction/adequacy/curves/product.py": {"STANDS": "iteration"},
     "correction/adequacy/named_mode.py": {"BEGINNINGS": "work"},
-    "correction/adequacy/classes/worth.py": {"COLUMNS_MOST": "work"},
     "correction/adequacy/curves/points.py": {"POINTS_MOST": "work", "PATIENCE": "work"},
     "correction/adequacy/in_time/placing.py": {
         "POINTS_MOST": "work",

@@ -20,16 +20,118 @@ filtered covariance P).
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.likelihood.covariance import (
-    measured,
-    observe,
-    predict,
-    seen_through,
-    start,
-    transition,
-)
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.jit import jitted
+
+
+@jitted
+def transition(
+    A: Array,
+    g: Array,
+    phi: Array,
+    left: Array,
+    right: Array,
+    keep: Array,
+    hold: Array,
+    i: int,
+) -> None:  # pragma: no cover - compiled
+    """Write the transition (d, d) of the i-th step and how the force's noise enters (d, n), SI."""
+    _, states, forces = left.shape
+    for s in range(states):
+        for t in range(states):
+            A[s, t] = phi[i, s, t]
+        for t in range(forces):
+            A[s, states + t] = left[i, s, t] + keep[i, t] * right[i, s, t]
+            g[s, t] = right[i, s, t]
+    for t in range(forces):
+        A[states + t, states + t] = keep[i, t]
+        g[states + t, t] = 1.0
+    first = states + forces
+    for t in range(A.shape[0] - first):
+        A[first + t, first + t] = hold[i, t]
+
+
+@jitted
+def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
+    """The covariance (d, d) at the first sample, SI."""
+    states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
+    P = np.zeros((states + forces + sensors, states + forces + sensors))
+    for s in range(states):
+        for t in range(states):
+            P[s, t] = P0[s, t]
+    for t in range(forces):
+        P[states + t, states + t] = force[t]
+    for t in range(sensors):
+        P[states + forces + t, states + forces + t] = colour[t]
+    return P
+
+
+@jitted
+def observe(
+    h: Array, C: Array, D: Array, place: NDArray[np.int64], i: int, j: int
+) -> None:  # pragma: no cover - compiled
+    """Write how the j-th sensor sees the i-th state (d,), SI."""
+    states, forces = C.shape[2], D.shape[2]
+    for s in range(states):
+        h[s] = C[i, j, s]
+    for s in range(forces):
+        h[states + s] = D[i, j, s]
+    for s in range(states + forces, h.size):
+        h[s] = 0.0
+    if place[j] >= 0:
+        h[states + forces + place[j]] = 1.0
+
+
+@jitted
+def seen_through(k: Array, P: Array, h: Array) -> None:  # pragma: no cover - compiled
+    """Write P·h (d,), SI: how the state with covariance P (d, d) varies with what a sensor sees of
+    it, h, most of which is zero."""
+    for s in range(h.size):
+        k[s] = 0.0
+    for t in range(h.size):
+        if h[t] != 0.0:
+            for s in range(h.size):
+                k[s] += P[t, s] * h[t]
+
+
+@jitted
+def predict(
+    P: Array,
+    T: Array,
+    A: Array,
+    g: Array,
+    force: Array,
+    colour: Array,
+    keep: Array,
+    hold: Array,
+    i: int,
+) -> None:  # pragma: no cover - compiled
+    """Move the covariance (d, d), SI, on by the i-th step, in place. Force and colour are each
+    their own share of what they were: only the states mix."""
+    d, forces = P.shape[0], g.shape[1]
+    first = d - hold.shape[1]
+    states = first - forces
+    for s in range(d):
+        for t in range(d):
+            T[s, t] = A[s, s] * P[s, t]
+        for u in range(first if s < states else 0):
+            if u != s:
+                for t in range(d):
+                    T[s, t] += A[s, u] * P[u, t]
+    for s in range(d):
+        for t in range(s, d):
+            if t >= states:
+                total = T[s, t] * A[t, t]
+            else:
+                total = 0.0
+                for u in range(first):
+                    total += T[s, u] * A[t, u]
+            for u in range(forces):
+                total += g[s, u] * force[u] * (1 - keep[i, u] * keep[i, u]) * g[t, u]
+            if s == t and s >= first:
+                total += colour[s - first] * (1 - hold[i, s - first] ** 2)
+            P[s, t] = total
+            P[t, s] = total
 
 
 @jitted
@@ -62,14 +164,14 @@ def whiten(
     samples, sensors, states = C.shape
     forces, columns, sensed = left.shape[2], b.shape[2], hold.shape[1]
     P = start(P0, force, colour, sensed > 0)
-    d, width = P.shape
+    d = P.shape[0]
     M, M2 = np.zeros((d, columns)), np.zeros((d, columns))
     for s in range(states):
         for c in range(columns):
             M[s, c] = begin[s, c]
     result = np.zeros((samples, sensors, columns))
-    F, T = np.zeros((states, width)), np.zeros((states, width))
-    share, h, k, v = np.zeros(width), np.zeros(width), np.zeros(width), np.zeros(columns)
+    A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
+    h, k, v = np.zeros(d), np.zeros(d), np.zeros(columns)
     logs = 0.0
     for i in range(samples):
         for j in range(sensors):
@@ -80,34 +182,34 @@ def whiten(
             S = white[j]
             for s in range(d):
                 S += h[s] * k[s]
+            root = np.sqrt(S)
             for c in range(columns):
                 v[c] = e[i, j, c]
             for s in range(d):
-                part = h[s]
-                if part != 0.0:
+                if h[s] != 0.0:
                     for c in range(columns):
-                        v[c] -= part * M[s, c]
-            by, by_root = 1 / S, 1 / np.sqrt(S)
+                        v[c] -= h[s] * M[s, c]
             for c in range(columns):
-                result[i, j, c] = v[c] * by_root
+                result[i, j, c] = v[c] / root
             for s in range(d):
-                part = k[s] * by
+                share = k[s] / S
                 for c in range(columns):
-                    M[s, c] += part * v[c]
-            measured(P, k, by)
+                    M[s, c] += share * v[c]
+                for t in range(d):
+                    P[s, t] -= share * k[t]
             logs += np.log(S)
         if i == samples - 1:
             break
-        transition(F, share, phi, left, right, keep, hold, i)
+        transition(A, g, phi, left, right, keep, hold, i)
         for s in range(d):
             for c in range(columns):
-                M2[s, c] = b[i, s, c] if s < states else share[s] * M[s, c]
-            for t in range(states + forces if s < states else 0):
-                if F[s, t] != 0.0:
+                M2[s, c] = b[i, s, c] if s < states else 0.0
+            for t in range(d):
+                if A[s, t] != 0.0:
                     for c in range(columns):
-                        M2[s, c] += F[s, t] * M[t, c]
+                        M2[s, c] += A[s, t] * M[t, c]
         M, M2 = M2, M
-        predict(P, T, F, share, right, force, colour, i)
+        predict(P, T, A, g, force, colour, keep, hold, i)
     return result, logs
 
 
@@ -130,31 +232,32 @@ def smooth(
     place: NDArray[np.int64],
     wanted: bool,
 ) -> tuple[Array, Array, float, float, Array, Array, Array, Array]:  # pragma: no cover - compiled
-    """Smoothed state (N, d) and the variance (N, n) of its forces, SI, Σ ln S, χ², and the score:
-    ∂ ln L by the variances ``force`` (n,), ``white`` (m,) and ``colour`` (c,), and by the
-    logarithms of the correlation times (2,) of force and colour. Where the state is not ``wanted``
-    it is left at zero, which halves the work.
+    """Smoothed state (N, d) with its variance (N, d), SI, Σ ln S, χ², and the score: ∂ ln L by the
+    variances ``force`` (n,), ``white`` (m,) and ``colour`` (c,), and by the logarithms of the
+    correlation times (2,) of force and colour. Where the state is not ``wanted`` it is left at
+    zero, which halves the work.
 
     Arguments as of :func:`whiten`, with ``b`` (N−1, X) and ``e`` (N, m) of one column.
     """
     samples, sensors, states = C.shape
     forces, sensed = left.shape[2], hold.shape[1]
     P = start(P0, force, colour, sensed > 0)
-    d, width = P.shape
+    d = P.shape[0]
     M, M2 = np.zeros(d), np.zeros(d)
     kept = samples if wanted else 0
-    means, covs = np.zeros((kept, d)), np.zeros((kept, d, width))
-    gains, sizes = np.zeros((samples, sensors, width)), np.ones((samples, sensors))
+    means, covs = np.zeros((kept, d)), np.zeros((kept, d, d))
+    gains, sizes = np.zeros((samples, sensors, d)), np.ones((samples, sensors))
     news = np.zeros((samples, sensors))
-    # of force and colour at each sample, once it is measured: mean, and rows of the covariance
-    known, rows = np.zeros((samples, d - states)), np.zeros((samples, d - states, width))
-    F, T = np.zeros((states, width)), np.zeros((d, width))
-    share, h, k = np.zeros(width), np.zeros(width), np.zeros(width)
+    # of force and colour at each sample, once it is measured: what is known of them, and how the
+    # next state varies with them
+    known, leads = np.zeros((samples, d - states)), np.zeros((samples, d - states, d))
+    A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
+    h, k = np.zeros(d), np.zeros(d)
     logs, chi2 = 0.0, 0.0
     for i in range(samples):
         for s in range(d if wanted else 0):
             means[i, s] = M[s]
-            for t in range(width):
+            for t in range(d):
                 covs[i, s, t] = P[s, t]
         for j in range(sensors):
             if not seen[i, j]:
@@ -165,125 +268,110 @@ def smooth(
             for s in range(d):
                 S += h[s] * k[s]
                 v -= h[s] * M[s]
-            by = 1 / S
             for s in range(d):
-                M[s] += k[s] * by * v
-            measured(P, k, by)
-            logs += np.log(S)
-            chi2 += v * v * by
-            for s in range(width):
                 gains[i, j, s] = k[s]
+                share = k[s] / S
+                M[s] += share * v
+                for t in range(d):
+                    P[s, t] -= share * k[t]
             sizes[i, j], news[i, j] = S, v
+            logs += np.log(S)
+            chi2 += v * v / S
         if i == samples - 1:
             break
+        transition(A, g, phi, left, right, keep, hold, i)
+        for s in range(d):
+            M2[s] = b[i, s] if s < states else 0.0
+            for t in range(d):
+                M2[s] += A[s, t] * M[t]
+        predict(P, T, A, g, force, colour, keep, hold, i)
         for q in range(d - states):
             known[i, q] = M[states + q]
-            for s in range(width):
-                rows[i, q, s] = P[states + q, s]
-        transition(F, share, phi, left, right, keep, hold, i)
-        for s in range(states):
-            M2[s] = b[i, s]
-            for t in range(states + forces):
-                M2[s] += F[s, t] * M[t]
-        for s in range(states, d):
-            M2[s] = share[s] * M[s]
+            for s in range(d):
+                leads[i, q, s] = T[s, states + q]
         M, M2 = M2, M
-        predict(P, T, F, share, right, force, colour, i)
-    mean, variance = np.zeros((samples, d)), np.zeros((samples, forces))
+    mean, variance = np.zeros((samples, d)), np.zeros((samples, d))
     by_force, by_white = np.zeros(forces), np.zeros(sensors)
     by_colour, by_times = np.zeros(sensed), np.zeros(2)
-    r, r2 = np.zeros(width), np.zeros(width)
-    Nn = np.zeros((d, width))
+    r, r2 = np.zeros(d), np.zeros(d)
+    Nn = np.zeros((d, d))
     for i in range(samples - 1, -1, -1):
         for j in range(sensors - 1, -1, -1):
             if not seen[i, j]:
                 continue
             observe(h, C, D, place, i, j)
-            by = 1 / sizes[i, j]
+            S = sizes[i, j]
             along, across = 0.0, 0.0
-            for t in range(width):
-                k[t] = 0.0
             for s in range(d):
-                part = gains[i, j, s] * by
-                along += part * r[s]
-                for t in range(width):
-                    k[t] += Nn[s, t] * part
-            for s in range(d):
-                across += gains[i, j, s] * by * k[s]
-            u = news[i, j] * by - along
-            by_white[j] += 0.5 * (u * u - by - across)
-            for s in range(d):
-                r[s] += h[s] * u
-                at, less = h[s] * (by + across) - k[s], h[s]
-                for t in range(width):
-                    Nn[s, t] += at * h[t] - less * k[t]
-        for s in range(d if wanted else 0):
-            total = means[i, s]
-            for t in range(d):
-                total += covs[i, s, t] * r[t]
-            mean[i, s] = total
-        for q in range(forces if wanted else 0):
-            own = states + q
-            spread = covs[i, own, own]
-            for s in range(d):
+                along += gains[i, j, s] * r[s]
                 total = 0.0
                 for t in range(d):
-                    total += Nn[s, t] * covs[i, own, t]
-                spread -= covs[i, own, s] * total
-            variance[i, q] = spread
+                    total += Nn[s, t] * gains[i, j, t]
+                k[s] = total / S
+                across += gains[i, j, s] * total / (S * S)
+            u = (news[i, j] - along) / S
+            by_white[j] += 0.5 * (u * u - 1 / S - across)
+            for s in range(d):
+                if h[s] != 0.0:
+                    r[s] += h[s] * u
+                    for t in range(d):
+                        Nn[s, t] += h[s] * (h[t] * (1 / S + across) - k[t])
+                        Nn[t, s] -= k[t] * h[s]
+        for s in range(d if wanted else 0):
+            total, spread = means[i, s], covs[i, s, s]
+            for t in range(d):
+                total += covs[i, s, t] * r[t]
+                part = 0.0
+                for q in range(d):
+                    part += Nn[t, q] * covs[i, q, s]
+                spread -= covs[i, s, t] * part
+            mean[i, s], variance[i, s] = total, spread
         if i == 0:
             break
-        transition(F, share, phi, left, right, keep, hold, i - 1)
-        for t in range(width):
-            r2[t] = share[t] * r[t]
-        for s in range(states):
-            part = r[s]
-            for t in range(width):
-                r2[t] += F[s, t] * part
-        for s in range(d):
-            for t in range(width):
-                T[s, t] = Nn[s, t] * share[t]
-            for u in range(states):
-                part = Nn[s, u]
-                for t in range(width):
-                    T[s, t] += part * F[u, t]
+        transition(A, g, phi, left, right, keep, hold, i - 1)
         for q in range(d - states):
-            own = states + q
-            along, across, held, drawn = r[own], Nn[own, own], 0.0, known[i - 1, q]
-            for t in range(width):
-                k[t] = T[own, t]
-            for s in range(states if q < forces else 0):
-                push = right[i - 1, s, q]
-                along += push * r[s]
-                total = 2 * Nn[s, own]
-                for t in range(states):
-                    total += Nn[s, t] * right[i - 1, t, q]
-                across += push * total
-                for t in range(width):
-                    k[t] += push * T[s, t]
+            own, drawn = states + q, known[i - 1, q]
+            along, across, held = 0.0, 0.0, 0.0
             for s in range(d):
-                held += k[s] * rows[i - 1, q, s]
-                drawn += r2[s] * rows[i - 1, q, s]
+                h[s], k[s] = g[s, q] if q < forces else 0.0, 0.0
+            if q >= forces:
+                h[own] = 1.0
+            for t in range(d):
+                if h[t] != 0.0:
+                    along += h[t] * r[t]
+                    for s in range(d):
+                        k[s] += Nn[s, t] * h[t]
+            for s in range(d):
+                across += h[s] * k[s]
+                held += k[s] * leads[i - 1, q, s]
+                drawn += r[s] * leads[i - 1, q, s]
             left_over = along * along - across
-            alpha = share[own]
-            size = force[q] if q < forces else colour[q - forces]
             if q < forces:
+                alpha, size = keep[i - 1, q], force[q]
                 by_force[q] += 0.5 * left_over * (1 - alpha * alpha)
             else:
+                alpha, size = hold[i - 1, q - forces], colour[q - forces]
                 by_colour[q - forces] += 0.5 * left_over * (1 - alpha * alpha)
             if alpha > 0.0:  # ∂α/∂ ln τ = −α ln α
                 slope = along * drawn - held - alpha * size * left_over
                 by_times[0 if q < forces else 1] -= slope * alpha * np.log(alpha)
+        for s in range(d):
+            r2[s] = 0.0
+            for t in range(d):
+                r2[s] += A[t, s] * r[t]
         r, r2 = r2, r
         for s in range(d):
-            part = share[s]
-            for t in range(width):
-                Nn[s, t] = part * T[s, t]
-        for u in range(states):
-            for s in range(states + forces):
-                part = F[u, s]
-                for t in range(width):
-                    Nn[s, t] += part * T[u, t]
+            for t in range(d):
+                T[s, t] = 0.0 if t < states else Nn[s, t] * A[t, t]
+            for q in range(states):
+                for t in range(states + forces):
+                    T[s, t] += Nn[s, q] * A[q, t]
+        for s in range(d):
+            for t in range(d):
+                Nn[s, t] = 0.0 if s < states else A[s, s] * T[s, t]
+            for q in range(states if s < states + forces else 0):
+                for t in range(d):
+                    Nn[s, t] += A[q, s] * T[q, t]
     for q in range(forces):
         s = states + q
         by_force[q] += 0.5 * (r[s] * r[s] - Nn[s, s])

@@ -68,15 +68,9 @@ class Extra:
         """The force (N, n, K), SI, just before each sample."""
         return self.force if self.before is None else self.before
 
-    def only(self, which: NDArray[np.int64]) -> "Extra":
-        """Some of the columns."""
-        before = None if self.before is None else self.before[..., which]
-        return Extra(self.force[..., which], self.output[..., which], before)
-
     def driving(self, linear: Linear) -> tuple[Array, Array]:
         """What the columns do to the next state (N - 1, X, K) and to the sensors (N, m, K)."""
-        by = np.concatenate([linear.left[0], linear.right[0]], axis=2)
-        pushed = by @ np.concatenate([self.force[:-1], self.arriving[1:]], axis=1)
+        pushed = linear.left[0] @ self.force[:-1] + linear.right[0] @ self.arriving[1:]
         return pushed, linear.by_force[0] @ self.force + self.output
 
 
@@ -332,7 +326,7 @@ def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) 
     return Smoothed(
         state,
         _among(mean[:, states:first], acts.forces, n),
-        _among(np.sqrt(np.maximum(variance, 0.0)), acts.forces, n),
+        _among(np.sqrt(np.maximum(variance[:, states:first], 0.0)), acts.forces, n),
         _among(mean[:, first:], acts.tinted, m if acts.tinted.size else 0),
         -0.5 * (logs + chi2 + one.count * np.log(2 * np.pi)),
         _among(by_force, acts.forces, n),

@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete
 
-from symhyb.correction.adequacy.classes import worth
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.columns import smooth
 from symhyb.correction.adequacy.classes.erring_input import spared_by
@@ -319,19 +318,6 @@ def test_what_a_group_is_worth_is_that_of_its_columns_alone() -> None:
         alone = replace(made, each=each, spread=made.spread[rows], mean=made.mean[rows])
         grouped = worths_of(start, made, [rows])
         assert worth_of(start, alone) == pytest.approx(float(grouped[0]), rel=1e-6)
-
-
-def test_groups_are_worth_the_same_however_many_go_side_by_side(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    setting = setting_of(pushed_model(), saturating())
-    start = around(setting, fitted(setting, (), (), setting.first_noise()))
-    made = law(start, 0)
-    groups = [range(2), [0, 3], [1, 2, 4], range(3, 5)]
-    together = worths_of(start, made, groups)
-    assert len(set(together)) == len(groups)
-    monkeypatch.setattr(worth, "COLUMNS_MOST", 3)
-    assert worths_of(start, made, groups) == pytest.approx(together, rel=1e-9)
 
 
 def test_the_best_of_several_pays_for_all() -> None:

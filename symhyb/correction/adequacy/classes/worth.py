@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, tracks_of
@@ -16,7 +15,6 @@ from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Extra, Track, white_columns, white_problem
 from symhyb.numeric.kernels.buffers import Array
 
-COLUMNS_MOST = 64  # whitened side by side: more do not stay in the processor's cache
 SHARES = (1.0, 0.1, 0.01)  # of unknown force and colour that may be left beside a class
 
 
@@ -77,35 +75,12 @@ def worth_of(start: Around, columns: Generic) -> float:
 
 def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) -> Array:
     """What each group of columns would add to ln evidence by itself (G,), dimensionless."""
-    return np.concatenate([_worths(start, columns, some) for some in _bundles(groups)])
-
-
-def _bundles(groups: Sequence[Sequence[int]]) -> list[list[Sequence[int]]]:
-    """The groups in their order, side by side while their columns are few enough."""
-    bundles: list[list[Sequence[int]]] = []
-    held: set[int] = set()
-    for rows in groups:
-        more = held | set(rows)
-        if not bundles or len(more) > COLUMNS_MOST:
-            bundles.append([])
-            more = set(rows)
-        bundles[-1].append(rows)
-        held = more
-    return bundles
-
-
-def _worths(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) -> Array:
-    """The same of groups whose columns are whitened together."""
-    which = np.unique(np.concatenate(groups))
-    own = [np.searchsorted(which, rows) for rows in groups]
-    spread, means = columns.spread[which], [columns.mean[list(rows)] for rows in groups]
+    found, means = [], [columns.mean[list(rows)] for rows in groups]
     driven = [
-        extra.only(which).driving(one.linear)
-        for one, extra in zip(start.tracks, columns.each, strict=True)
+        extra.driving(one.linear) for one, extra in zip(start.tracks, columns.each, strict=True)
     ]
-    found = []
     for level in start.levels:
-        products = _products(start.tracks, level, driven, spread, own)
+        products = _products(start.tracks, level, driven, columns.spread, groups)
         more = level.likely - start.levels[0].likely
         found.append([_gain(*one, mean) + more for one, mean in zip(products, means, strict=True)])
     return np.asarray(np.max(np.array(found), axis=0))
@@ -116,12 +91,12 @@ def _products(
     level: Level,
     driven: Sequence[tuple[Array, Array]],
     spread: Array,
-    groups: Sequence[NDArray[np.int64]],
+    groups: Sequence[Sequence[int]],
 ) -> list[tuple[Array, Array]]:
     """Products (C, C) of the C white columns of each group with each other, and (C,) with the
     residual; columns are for one prior deviation (``spread``, K). Of each stretch it is given what
     the columns drive. No group asks for its products with another."""
-    blocks = [np.zeros((rows.size, rows.size)) for rows in groups]
+    blocks = [np.zeros((len(rows), len(rows))) for rows in groups]
     toward = np.zeros(spread.size)
     for one, (pushed, shown), (residual, own) in zip(tracks, driven, level.parts, strict=True):
         begin = np.zeros((one.x.shape[1], spread.size))
@@ -130,10 +105,10 @@ def _products(
         white -= own @ (own.T @ white)
         toward += white.T @ residual
         for rows, block in zip(groups, blocks, strict=True):
-            side_by_side = bool((np.diff(rows) == 1).all())  # these are not copied
-            mine = white[:, rows[0] : rows[-1] + 1] if side_by_side else white[:, rows]
+            # columns side by side are not copied
+            mine = white[:, rows[0] : rows[-1] + 1] if isinstance(rows, range) else white[:, rows]
             block += mine.T @ mine
-    return [(block, toward[rows]) for rows, block in zip(groups, blocks, strict=True)]
+    return [(block, toward[list(rows)]) for rows, block in zip(groups, blocks, strict=True)]
 
 
 def _gain(block: Array, toward: Array, begin: Array) -> float:
