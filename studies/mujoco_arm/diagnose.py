@@ -64,17 +64,20 @@ def errors(verdict: sh.Verdict) -> list[str]:
     ]
 
 
+def tell(name: str, case: Case, folder: Path) -> None:
+    """Diagnose a case, and print what was concealed beside what is claimed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    answer = diagnosed(case, folder)
+    print(f"{name}: {case.concealed}", f"  {answer.diagnosis.sentence}", sep="\n")
+    for line in (*numbers(answer.diagnosis), *errors(answer.verdict)):
+        print(f"  {line}", flush=True)
+
+
 def main() -> None:
-    """Diagnose the cases, and print what was concealed beside what is claimed."""
+    """Diagnose the cases."""
     out, names = Path(sys.argv[1]), sys.argv[2:] or list(CASES)
     for name in names:
-        folder = out / name
-        folder.mkdir(parents=True, exist_ok=True)
-        case = CASES[name]
-        answer = diagnosed(case, folder)
-        print(f"{name}: {case.concealed}", f"  {answer.diagnosis.sentence}", sep="\n")
-        for line in (*numbers(answer.diagnosis), *errors(answer.verdict)):
-            print(f"  {line}", flush=True)
+        tell(name, CASES[name], out / name)
 
 
 if __name__ == "__main__":

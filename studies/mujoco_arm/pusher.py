@@ -14,8 +14,8 @@ from typing import Any
 
 import mujoco  # type: ignore[import-untyped]
 import numpy as np
-from diagnose import diagnosed, errors, numbers
-from recordings import SEEDS, STEP_S, Arm, Case
+from diagnose import tell
+from recordings import POINT, SEEDS, Arm, Case, load, loosen, rub_hard
 
 JOINTS = ("r_shoulder_pan_joint", "r_shoulder_lift_joint", "r_elbow_flex_joint")
 WRIST = "r_wrist_flex_joint"
@@ -57,30 +57,18 @@ def arm_of(robot: Path, joints: tuple[str, ...], driven: tuple[int, ...]) -> Arm
 
 
 def rubs(spec: Any) -> None:
-    """Dry friction in the elbow, as hard as the step allows."""
-    joint = spec.joint(JOINTS[2])
-    joint.frictionloss = 0.15
-    joint.solref_friction[:] = 2 * STEP_S, 1.0
-    joint.solimp_friction[:] = 0.999, 0.9999, 0.001, 0.5, 2.0
+    """Dry friction in the elbow."""
+    rub_hard(spec, JOINTS[2], 0.15)
 
 
 def carries(spec: Any) -> None:
     """A mass at the tips, 0.1 m beyond the wrist."""
-    spec.body("r_wrist_flex_link").add_geom(
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        pos=[0.1, 0, 0],
-        size=[1e-4, 0, 0],
-        mass=0.15,
-        contype=0,
-        conaffinity=0,
-    )
+    load(spec, "r_wrist_flex_link", 0.15, POINT, along=0.1)
 
 
 def plays(spec: Any) -> None:
-    """The spring of the gear gets a dead zone."""
-    spec.joint(GEAR).stiffness = np.zeros(3)
-    tendon = spec.add_tendon(stiffness=[STIFFNESS, 0, 0], springlength=[-0.005, 0.005])
-    tendon.wrap_joint(GEAR, 1.0)
+    """Play in the gear."""
+    loosen(spec, GEAR)
 
 
 def all_three(spec: Any) -> None:
@@ -121,11 +109,7 @@ def main() -> None:
         for run in range(options.runs):
             SEEDS.update(train=2 * run + 1, unseen=2 * run + 2)
             folder = options.out / name / str(run)
-            folder.mkdir(parents=True, exist_ok=True)
-            answer = diagnosed(known[name], folder)
-            print(f"{name} {run}: {known[name].concealed}\n  {answer.diagnosis.sentence}")
-            for line in (*numbers(answer.diagnosis), *errors(answer.verdict)):
-                print(f"  {line}", flush=True)
+            tell(f"{name} {run}", known[name], folder)
 
 
 if __name__ == "__main__":

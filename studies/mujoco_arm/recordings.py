@@ -33,6 +33,8 @@ SECONDS = {"train": 8.0, "unseen": 6.0}
 SEEDS = {"train": 1, "unseen": 2}
 RATE_S = 8e-3  # time constant of the filter of the controller's rates
 FADE_S = 1.0
+PLAY = 0.005  # to either side, rad
+POINT = 1e-4  # radius of a ball that is next to a point, m
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +93,17 @@ def _rubs(spec: Any) -> None:
     spec.joint("elbow").frictionloss = 0.5
 
 
-def _rubs_hard(spec: Any) -> None:
-    """Dry friction, as hard as the step allows: it creeps at 4 µrad/s under 98 % of its level."""
-    _rubs(spec)
-    joint = spec.joint("elbow")
+def rub_hard(spec: Any, name: str, level: float) -> None:
+    """Give a joint dry friction of a ``level``, N·m, as hard as the step allows: 0.5 N·m creep at
+    4 µrad/s under 98 % of their level."""
+    joint = spec.joint(name)
+    joint.frictionloss = level
     joint.solref_friction[:] = 2 * STEP_S, 1.0
     joint.solimp_friction[:] = 0.999, 0.9999, 0.001, 0.5, 2.0
+
+
+def _rubs_hard(spec: Any) -> None:
+    rub_hard(spec, "elbow", 0.5)
 
 
 def _damps(spec: Any) -> None:
@@ -107,15 +114,25 @@ def _turns(spec: Any) -> None:
     spec.joint("elbow").armature += 0.03
 
 
-def _weighs(spec: Any, radius: float = 0.03) -> None:
-    spec.body("hand").add_geom(
-        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], mass=0.4, contype=0, conaffinity=0
+def load(spec: Any, name: str, mass: float, radius: float, along: float = 0.0) -> None:
+    """Fix a ball of a ``mass``, kg, and a ``radius``, m, to a body, so far ``along`` its x, m."""
+    spec.body(name).add_geom(
+        type=mujoco.mjtGeom.mjGEOM_SPHERE,
+        pos=[along, 0, 0],
+        size=[radius, 0, 0],
+        mass=mass,
+        contype=0,
+        conaffinity=0,
     )
+
+
+def _weighs(spec: Any) -> None:
+    load(spec, "hand", 0.4, 0.03)
 
 
 def _weighs_at_a_point(spec: Any) -> None:
     """A ball of 0.1 mm, whose own inertia is 2·10⁻⁹ kg·m²."""
-    _weighs(spec, 1e-4)
+    load(spec, "hand", 0.4, POINT)
 
 
 def _pulls(spec: Any) -> None:
@@ -137,12 +154,16 @@ at     = ["0", "0", "0"]
     return text.replace("[parameters]\n", "[parameters]" + numbers, 1) + body
 
 
-def _plays(spec: Any) -> None:
-    """The spring of the gear gets a dead zone, as springs of MuJoCo's tendons have one."""
-    joint = spec.joint("gear")
-    tendon = spec.add_tendon(stiffness=joint.stiffness, springlength=[-0.005, 0.005])
-    tendon.wrap_joint("gear", 1.0)
+def loosen(spec: Any, name: str) -> None:
+    """Give the spring of a joint a dead zone, as springs of MuJoCo's tendons have one."""
+    joint = spec.joint(name)
+    tendon = spec.add_tendon(stiffness=joint.stiffness, springlength=[-PLAY, PLAY])
+    tendon.wrap_joint(name, 1.0)
     joint.stiffness = np.zeros(3)
+
+
+def _plays(spec: Any) -> None:
+    loosen(spec, "gear")
 
 
 def _act_late(text: str) -> str:
