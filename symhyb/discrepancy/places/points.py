@@ -71,9 +71,9 @@ def _speeds(model: Model, motions: Sequence[Motion], probe: str) -> Iterator[tup
 def moving_points(model: Model, probe: str = MOVED) -> tuple[At, ...]:
     """The points that move, each once, but neither as one coordinate does nor as another point. By
     the ``probe`` of what turns, the points whose bodies turn so."""
-    if len(model.coordinates) < 2 or not model.points:
-        return ()
     places = tuple(At(point.name) for point in model.points if probe == MOVED or point.body)
+    if len(model.coordinates) < 2 or not places:
+        return ()
     probed = _probed(model, places, probe)
     q, _, times = states_about_start(probed)
     if probed.constraints:

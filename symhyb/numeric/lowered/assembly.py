@@ -283,10 +283,10 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
     notes, whole = [], gaps.whole(q, 0 * q)[2]
     for row in sorted(always):
         name, others = gaps.labels[row], [gaps.labels[i] for i in here[row]]
-        listed = " and ".join(dict.fromkeys(label.split(".")[0] for label in others))
+        listed = " and ".join(dict.fromkeys(constraint_of(label) for label in others))
         if not others:
             zero = row not in gaps.slight or row in slight(
-                [whole], gaps.labels, [name.split(".")[0]], NOTHING
+                [whole], gaps.labels, [constraint_of(name)], NOTHING
             )
             said = "zero" if zero else "nearly zero"
             notes.append(f"constraints.{name} is {said} wherever the machine moves and is left out")
@@ -297,9 +297,9 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 def _of_a_line(gaps: _Gaps, label: str, others: Sequence[str]) -> bool:
     """Whether a row is the third of a line in space, of which two say all."""
-    name = label.split(".")[0]
+    name = constraint_of(label)
     kind = next(item.kind for item in gaps.model.constraints if item.name == name)
-    return kind == "slider" and all(other.split(".")[0] == name for other in others)
+    return kind == "slider" and all(constraint_of(other) == name for other in others)
 
 
 def _beside(gaps: _Gaps, q: Array) -> list[Array]:
@@ -338,13 +338,13 @@ def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
             "is not finite at the start (a division by zero, or two points of a line or a distance "
             "that coincide); change the start"
         )
-        name = bad[0].split(".")[0]
+        name = constraint_of(bad[0])
         raise InputError(Problem(text, f"constraints.{name}", gaps.model.file))
 
 
 def _refuse(gaps: _Gaps, labels: Sequence[str], text: str) -> None:
     """Raise, if there are any, what is wrong with the constraints of these rows, each once."""
-    names = dict.fromkeys(label.split(".")[0] for label in labels)
+    names = dict.fromkeys(constraint_of(label) for label in labels)
     if names:
         raise InputError([Problem(text, f"constraints.{name}", gaps.model.file) for name in names])
 
@@ -352,7 +352,7 @@ def _refuse(gaps: _Gaps, labels: Sequence[str], text: str) -> None:
 def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:
     """Why Newton's method found no place: rows that contradict each other, or that do not reach."""
     worst = int(np.argmax(np.abs(gap)))
-    name = gaps.labels[worst].split(".")[0]
+    name = constraint_of(gaps.labels[worst])
     generic = _contradicted(gaps, q)
     related = dict.fromkeys(constraint_of(gaps.labels[i]) for i in generic.get(worst, ()))
     others = [other for other in related if other != name]
@@ -388,7 +388,7 @@ def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
 
 
 def _locked(gaps: _Gaps, q: Array, left: Array) -> Problem:
-    name = gaps.labels[int(np.argmax(np.abs(left)))].split(".")[0]
+    name = constraint_of(gaps.labels[int(np.argmax(np.abs(left)))])
     text = (
         f"the loop locks at its start, {places_text(gaps.model, q)}: there this constraint and "
         "the others leave no consistent speeds; start a little beside it"

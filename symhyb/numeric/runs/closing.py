@@ -8,6 +8,7 @@ run ends there with a reason.
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array, on_lines
+from symhyb.numeric.lowered.dependence import constraint_of
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
 from symhyb.numeric.runs.scenario import Scenario
@@ -127,7 +128,7 @@ def _worst(form: StateForm, x: Array, d: Array, t: float, p: Array) -> str:
     which = int(np.argmax(np.abs(left[:, min(slope.shape) - 1])))
     model = form.machine.model
     rows = model.assembly.rows if model.assembly else ()
-    name = rows[which].split(".")[0]
+    name = constraint_of(rows[which])
     places = ", ".join(
         f"{c.name} = {value / c.unit.factor:.5g} {c.unit}"
         for c, value in zip(model.coordinates, q, strict=True)
